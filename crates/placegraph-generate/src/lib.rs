@@ -1,0 +1,1 @@
+//! Generated buildings with perfect ground truth, mapped by a simulated robot.

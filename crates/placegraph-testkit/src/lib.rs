@@ -1,0 +1,1 @@
+//! Oracles for the tests: slow, plain and obviously right.

@@ -1,0 +1,1 @@
+//! Instance-based associative Markov networks (Sect. 4.6).

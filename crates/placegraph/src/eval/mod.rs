@@ -1,0 +1,1 @@
+//! How good a labeling is: cell, class and room measures.

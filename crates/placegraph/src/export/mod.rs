@@ -1,0 +1,1 @@
+//! Types to bytes: label images, topology, pictures.

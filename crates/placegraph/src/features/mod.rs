@@ -1,0 +1,6 @@
+//! Features of a scan: set A from the raw beams, set B from the polygon of their end points (appendices A
+//! and B of the book).
+
+mod table;
+
+pub use table::{FeatureId, FeatureTable};

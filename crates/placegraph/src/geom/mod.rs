@@ -1,0 +1,5 @@
+//! A small geometry vocabulary: positions, displacements and poses in the plane, in meters and radians.
+
+mod point;
+
+pub use point::{Point2, Pose2, Vec2};

@@ -1,0 +1,129 @@
+//! A rectangular array of cells, row-major, row 0 at the map's bottom.
+
+/// A cell's column `x` and row `y`, counted from the lower left.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Cell {
+    /// Column, from the left.
+    pub x: u32,
+    /// Row, from the bottom.
+    pub y: u32,
+}
+
+impl Cell {
+    /// The cell in column `x` and row `y`.
+    pub const fn new(x: u32, y: u32) -> Self {
+        Self { x, y }
+    }
+}
+
+/// `width · height` values, row-major, row 0 at the bottom. Both sides are at least 1.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Grid<T> {
+    width: u32,
+    height: u32,
+    values: Vec<T>,
+}
+
+impl<T> Grid<T> {
+    /// Takes `values` in rows from the bottom up.
+    ///
+    /// # Panics
+    /// If a side is 0 or `values.len()` is not `width · height`; readers check both before they call this.
+    pub fn from_rows(width: u32, height: u32, values: Vec<T>) -> Self {
+        assert!(width > 0 && height > 0, "a grid has at least one cell");
+        assert_eq!(values.len(), width as usize * height as usize, "one value per cell");
+        Self { width, height, values }
+    }
+
+    /// Number of columns.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Number of rows.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// All values, row-major from the bottom left.
+    pub fn values(&self) -> &[T] {
+        &self.values
+    }
+
+    /// All values, to be changed in place.
+    pub fn values_mut(&mut self) -> &mut [T] {
+        &mut self.values
+    }
+
+    /// The values of row `y`, left to right.
+    pub fn row(&self, y: u32) -> &[T] {
+        let start = y as usize * self.width as usize;
+        &self.values[start..start + self.width as usize]
+    }
+
+    /// Position of `cell` in [`Grid::values`].
+    pub fn index(&self, cell: Cell) -> usize {
+        cell.y as usize * self.width as usize + cell.x as usize
+    }
+
+    /// The cell at position `index` of [`Grid::values`].
+    pub fn cell(&self, index: usize) -> Cell {
+        Cell::new((index % self.width as usize) as u32, (index / self.width as usize) as u32)
+    }
+
+    /// All cells, in the order of [`Grid::values`].
+    pub fn cells(&self) -> impl Iterator<Item = Cell> + use<T> {
+        let width = self.width;
+        (0..self.height).flat_map(move |y| (0..width).map(move |x| Cell::new(x, y)))
+    }
+
+    /// The cell `step` away from `cell`, or `None` outside the grid.
+    pub fn offset(&self, cell: Cell, step: (i32, i32)) -> Option<Cell> {
+        let x = cell.x.checked_add_signed(step.0).filter(|&x| x < self.width)?;
+        let y = cell.y.checked_add_signed(step.1).filter(|&y| y < self.height)?;
+        Some(Cell::new(x, y))
+    }
+
+    /// A grid of the same shape with `f` applied to every value.
+    pub fn map<U>(&self, f: impl FnMut(&T) -> U) -> Grid<U> {
+        Grid { width: self.width, height: self.height, values: self.values.iter().map(f).collect() }
+    }
+}
+
+impl<T: Clone> Grid<T> {
+    /// A grid with the same `value` everywhere.
+    ///
+    /// # Panics
+    /// If a side is 0.
+    pub fn filled(width: u32, height: u32, value: T) -> Self {
+        Self::from_rows(width, height, vec![value; width as usize * height as usize])
+    }
+}
+
+impl<T> std::ops::Index<Cell> for Grid<T> {
+    type Output = T;
+    fn index(&self, cell: Cell) -> &T {
+        &self.values[Grid::index(self, cell)]
+    }
+}
+
+impl<T> std::ops::IndexMut<Cell> for Grid<T> {
+    fn index_mut(&mut self, cell: Cell) -> &mut T {
+        let index = Grid::index(self, cell);
+        &mut self.values[index]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn index_and_cell_are_inverse() {
+        let grid = Grid::filled(3, 2, 0u8);
+        assert!(grid.cells().enumerate().all(|(i, c)| grid.index(c) == i && grid.cell(i) == c));
+        assert_eq!(grid.offset(Cell::new(2, 1), (1, 0)), None);
+        assert_eq!(grid.offset(Cell::new(0, 0), (0, -1)), None);
+        assert_eq!(grid.offset(Cell::new(0, 0), (1, 1)), Some(Cell::new(1, 1)));
+    }
+}

@@ -1,0 +1,17 @@
+//! The occupancy grid map and the graph of its free cells.
+//!
+//! Row 0 of every grid is the map's *bottom* row: x grows to the right, y grows up, as in ROS. Image files
+//! are flipped in [`crate::import`] and [`crate::export`] and nowhere else.
+
+mod cell_graph;
+mod frame;
+#[expect(clippy::module_inception, reason = "the module's main type")]
+mod grid;
+mod neighbors;
+mod occupancy;
+
+pub use cell_graph::CellGraph;
+pub use frame::{FrameError, MapFrame};
+pub use grid::{Cell, Grid};
+pub use neighbors::Connectivity;
+pub use occupancy::{Occupancy, OccupancyGrid};

@@ -1,0 +1,1 @@
+//! Files to types: map_server YAML, images, CARMEN maps, label images.

@@ -1,0 +1,39 @@
+//! From an occupancy grid map to a *semantic-topological map*: every free cell labeled corridor, room or
+//! doorway (or the user's own classes), the regions those cells form, and the graph of how they connect.
+//!
+//! The method is that of O. Martinez Mozos, *Semantic Labeling of Places with Mobile Robots*, chapter 4
+//! (key `[Mozos 2010]` throughout; the list is in `docs/references.md`).
+//!
+//! | stage | module | section |
+//! |---|---|---|
+//! | a simulated laser scan in every free cell | [`scan`] | 4.4 |
+//! | rotation-invariant features of the scan | [`features`] | 4.4, appendices A and B |
+//! | boosted stumps in a probabilistic decision list | [`boost`] | 4.2, 4.3 |
+//! | relaxation labeling over the 8-neighborhood | [`relax`] | 4.5 |
+//! | or: instance-based associative Markov network | [`amn`] | 4.6 |
+//! | regions and the two corrections by size | [`regions`] | 4.7 |
+//! | the topological map | [`topology`] | 4.7 |
+//!
+//! The library prints nothing, reads no clock, draws no random numbers and has no globals: the same input
+//! gives the same bits on any number of threads.
+//!
+//! A module uses only what stands to its left (`tests/dependency_order.rs` checks it):
+//! `geom → grid → scan → labels → features → {boost, relax, amn} → regions → topology → model →
+//! {training, eval, import, export, pipeline}`.
+
+pub mod amn;
+pub mod boost;
+pub mod eval;
+pub mod export;
+pub mod features;
+pub mod geom;
+pub mod grid;
+pub mod import;
+pub mod labels;
+pub mod model;
+pub mod progress;
+pub mod regions;
+pub mod relax;
+pub mod scan;
+pub mod topology;
+pub mod training;

@@ -1,0 +1,1 @@
+//! Probabilistic relaxation labeling over the 8-neighborhood (Sect. 4.5).

@@ -1,0 +1,41 @@
+//! What a simulated scan is.
+
+use serde::{Deserialize, Serialize};
+
+/// Beams of a scan, one per degree.
+pub const N_BEAMS: usize = 360;
+
+/// Angle of `beam` from the grid's +x axis, counter-clockwise, in radians.
+pub fn beam_angle_rad(beam: usize) -> f64 {
+    beam as f64 * std::f64::consts::TAU / N_BEAMS as f64
+}
+
+/// What a beam does in a cell that was never observed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UnknownCells {
+    /// It ends there, as at a wall.
+    #[default]
+    Stop,
+    /// It passes, as through a free cell.
+    Pass,
+}
+
+/// How scans are simulated. Stored in the model: features of another scan are other features.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScanConfig {
+    /// Longest range, in meters; a beam that meets nothing before ends there. Default 80.
+    pub range_max_m: f64,
+    /// What a beam does in an unknown cell. Default: it ends there. The map's border always ends it.
+    pub unknown: UnknownCells,
+    /// Every range is multiplied by this after casting: the building at another scale (Sect. 4.8.2).
+    /// Default 1.
+    pub range_scale: f64,
+}
+
+impl Default for ScanConfig {
+    fn default() -> Self {
+        Self { range_max_m: 80.0, unknown: UnknownCells::Stop, range_scale: 1.0 }
+    }
+}

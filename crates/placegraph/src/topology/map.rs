@@ -1,0 +1,116 @@
+//! The result: places with their geometry, and the connections between them. Everything is in meters of the
+//! map frame, and serializes as the `places` and `connections` of `topology.json`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::geom::Point2;
+use crate::labels::Role;
+
+/// Number of a place: its region's value in the region image, from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct PlaceId(pub u32);
+
+/// Axes of the ellipse with the same second moments as a region.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EllipseAxes {
+    /// Full length of the major axis, in meters.
+    pub major_m: f64,
+    /// Full length of the minor axis, in meters.
+    pub minor_m: f64,
+    /// Direction of the major axis from the map's +x, counter-clockwise, in (−π/2, π/2].
+    pub direction_rad: f64,
+}
+
+/// An outline: the exterior ring counter-clockwise, holes clockwise, no ring repeats its first point.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PolygonWithHoles {
+    /// The outer ring.
+    pub exterior: Vec<Point2>,
+    /// The rings of what the region surrounds.
+    pub holes: Vec<Vec<Point2>>,
+}
+
+/// What only a doorway has.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Doorway {
+    /// Clear width of the opening, in meters.
+    pub width_m: f64,
+    /// Where the narrowest line across the opening meets the walls.
+    pub jambs: [Point2; 2],
+    /// The places on its two sides, largest contact first; a doorway at the edge of the explored area has
+    /// fewer than two.
+    pub sides: Vec<PlaceId>,
+}
+
+/// A vertex of the topological map: one region.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Place {
+    /// Unique number, from 1.
+    pub id: PlaceId,
+    /// Name for people, unique; by default class and number.
+    pub name: String,
+    /// Name of its class.
+    pub class: String,
+    /// Role of its class.
+    pub role: Role,
+    /// Mean probability of its class over its cells.
+    pub probability: f64,
+    /// Number of its cells.
+    pub n_cells: u32,
+    /// Area of its cells, in square meters.
+    pub area_m2: f64,
+    /// Mean of its cells' centers; may lie outside of a bent place.
+    pub centroid: Point2,
+    /// Axes of its cells' second moments.
+    pub axes: EllipseAxes,
+    /// Center of its cell with the largest clearance: always inside.
+    pub anchor: Point2,
+    /// Distance from the anchor to the nearest cell that is not this place's, in meters.
+    pub clearance_m: f64,
+    /// Outline along the cells' sides. More than one polygon where cells touch at a corner only.
+    pub outline: Vec<PolygonWithHoles>,
+    /// Only for the role doorway.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub doorway: Option<Doorway>,
+}
+
+/// An edge of the topological map: two places that touch.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Connection {
+    /// The place with the lower number.
+    pub a: PlaceId,
+    /// The place with the higher number.
+    pub b: PlaceId,
+    /// Number of pairs of cells that share a side, times the resolution: length of the common border.
+    pub contact_m: f64,
+    /// The point of the common border nearest to its mean.
+    pub middle: Point2,
+}
+
+/// Places and the connections between them. Ends of connections exist, no pair stands twice, `a < b`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TopologicalMap {
+    /// The vertices, by number.
+    pub places: Vec<Place>,
+    /// The edges, by their ends.
+    pub connections: Vec<Connection>,
+}
+
+impl TopologicalMap {
+    /// The place numbered `id`.
+    pub fn place(&self, id: PlaceId) -> Option<&Place> {
+        self.places.binary_search_by_key(&id, |place| place.id).ok().map(|index| &self.places[index])
+    }
+
+    /// The connections of the place numbered `id`.
+    pub fn connections_of(&self, id: PlaceId) -> impl Iterator<Item = &Connection> {
+        self.connections.iter().filter(move |connection| connection.a == id || connection.b == id)
+    }
+}

@@ -1,0 +1,1 @@
+//! From labeled maps to a model.
