@@ -1,0 +1,245 @@
+//! What can be typed, exactly as typed.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+/// From an occupancy grid map to corridors, rooms, doorways and how they connect.
+#[derive(Debug, Parser)]
+#[command(name = "placegraph", version, about, arg_required_else_help = true)]
+pub struct Cli {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Threads to work with [default: all cores]; the result does not depend on it
+    #[arg(long, global = true, value_name = "N")]
+    pub threads: Option<usize>,
+    /// Tell how long each stage took
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Label a map: places, doorways and how they connect
+    Map(MapArgs),
+    /// Check a map before it is labeled
+    Info(InfoArgs),
+    /// Train a model from labeled maps
+    Train(TrainArgs),
+    /// Compare a label image with the truth
+    Evaluate(EvaluateArgs),
+    /// Simulate one scan and show its features
+    Scan(ScanArgs),
+    /// List the features
+    Features(FeaturesArgs),
+}
+
+/// How a map file is read.
+#[derive(Debug, Args)]
+pub struct ReadArgs {
+    /// Meters per pixel of a map that is an image without a YAML file
+    #[arg(long, value_name = "METERS")]
+    pub resolution: Option<f64>,
+    /// Whose reading of the YAML file to follow
+    #[arg(long, value_enum, default_value_t = RulesArg::Nav2)]
+    pub rules: RulesArg,
+    /// Read gray 205 as the file's thresholds say, even where they turn unexplored space free
+    #[arg(long)]
+    pub trust_thresholds: bool,
+    /// Read an image that lies outside of the YAML file's folder
+    #[arg(long)]
+    pub allow_outside: bool,
+    /// Refuse maps with more cells than this
+    #[arg(long, value_name = "N", default_value_t = 400_000_000)]
+    pub max_cells: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RulesArg {
+    /// Navigation 2
+    Nav2,
+    /// ROS 1 map_server
+    Ros1,
+}
+
+#[derive(Debug, Args)]
+pub struct MapArgs {
+    /// Maps: map_server YAML, image (with --resolution) or CARMEN map
+    #[arg(required = true, value_name = "MAP")]
+    pub maps: Vec<PathBuf>,
+    /// Folder for the results; several maps get a folder each in it
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Model to label with [default: the one inside the program]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Also write the labels after classification and after smoothing
+    #[arg(long)]
+    pub stages: bool,
+    /// Also write the probabilities of all classes, as a NumPy array
+    #[arg(long)]
+    pub probabilities: bool,
+    /// Leave small regions and doorways that join nothing as they are
+    #[arg(long)]
+    pub no_correction: bool,
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct InfoArgs {
+    /// The map
+    #[arg(value_name = "MAP")]
+    pub map: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct TrainArgs {
+    /// Training file: `[[map]]` tables with `map`, `labels`, optional `crop`; optional `[classes]`
+    #[arg(value_name = "TRAINING.toml", required_unless_present = "map", conflicts_with_all = ["map", "labels", "crop"])]
+    pub manifest: Option<PathBuf>,
+    /// Train from this one map
+    #[arg(long, requires = "labels", value_name = "MAP")]
+    pub map: Option<PathBuf>,
+    /// Labels of that map: 0 none, k class k, 255 ignore
+    #[arg(long, requires = "map", value_name = "IMAGE")]
+    pub labels: Option<PathBuf>,
+    /// Use only these pixels of it, y down, upper bounds exclusive; scans still see the whole map
+    #[arg(long, requires = "map", value_name = "X0,Y0,X1,Y1")]
+    pub crop: Option<CropArg>,
+    /// Where to write the model
+    #[arg(short, long, value_name = "MODEL")]
+    pub output: PathBuf,
+    /// The chapter's own setting: 100 rounds, temperature 1, one scale
+    #[arg(long, conflicts_with_all = ["rounds", "temperature", "scales"])]
+    pub chapter: bool,
+    /// Boosting rounds [default: chosen by cross-validation]
+    #[arg(long, value_name = "T")]
+    pub rounds: Option<usize>,
+    /// Temperature of the confidences [default: chosen by cross-validation]
+    #[arg(long, value_name = "TAU")]
+    pub temperature: Option<f64>,
+    /// Train on the building at these scales
+    #[arg(long, value_delimiter = ',', value_name = "S,...")]
+    pub scales: Option<Vec<f64>>,
+    /// Print the report as JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct EvaluateArgs {
+    /// Label image to judge
+    #[arg(value_name = "PREDICTION")]
+    pub prediction: PathBuf,
+    /// The truth: 0 none, k class k, 255 ignore
+    #[arg(value_name = "LABELS")]
+    pub labels: PathBuf,
+    /// Judge only these pixels, y down, upper bounds exclusive
+    #[arg(long, value_name = "X0,Y0,X1,Y1")]
+    pub crop: Option<CropArg>,
+    /// True rooms: an image of room numbers, 0 none
+    #[arg(long, requires = "regions", value_name = "IMAGE")]
+    pub rooms: Option<PathBuf>,
+    /// Found regions: an image of region numbers, 0 none
+    #[arg(long, requires = "rooms", value_name = "IMAGE")]
+    pub regions: Option<PathBuf>,
+    /// Take the classes from this model [default: corridor, room, doorway]
+    #[arg(long, value_name = "FILE")]
+    pub model: Option<PathBuf>,
+    /// Exit with status 1 where the cell accuracy is below this share
+    #[arg(long, value_name = "SHARE")]
+    pub min_accuracy: Option<f64>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Debug, Args)]
+pub struct ScanArgs {
+    /// The map
+    #[arg(value_name = "MAP")]
+    pub map: PathBuf,
+    /// Position of the scan in meters of the map frame
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub at: PointArg,
+    /// Also draw the scan into this PNG file
+    #[arg(short, long, value_name = "PNG")]
+    pub output: Option<PathBuf>,
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+    #[command(flatten)]
+    pub read: ReadArgs,
+}
+
+#[derive(Debug, Args)]
+pub struct FeaturesArgs {
+    /// How to list them
+    #[arg(long, value_enum, default_value_t = ListFormat::Text)]
+    pub format: ListFormat,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ListFormat {
+    /// A line each
+    Text,
+    /// The documentation page
+    Md,
+}
+
+/// Pixels of an image, y down, upper bounds exclusive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CropArg {
+    /// First column.
+    pub x0: u32,
+    /// First row from the top.
+    pub y0: u32,
+    /// One past the last column.
+    pub x1: u32,
+    /// One past the last row.
+    pub y1: u32,
+}
+
+impl FromStr for CropArg {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = comma_separated::<u32>(text);
+        match numbers.as_deref() {
+            Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Self { x0, y0, x1, y1 }),
+            _ => Err(format!("expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1, found {text:?}")),
+        }
+    }
+}
+
+/// A point in meters of the map frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointArg {
+    /// First coordinate.
+    pub x: f64,
+    /// Second coordinate.
+    pub y: f64,
+}
+
+impl FromStr for PointArg {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match comma_separated::<f64>(text).as_deref() {
+            Some(&[x, y]) if x.is_finite() && y.is_finite() => Ok(Self { x, y }),
+            _ => Err(format!("expected X,Y in meters, found {text:?}")),
+        }
+    }
+}
+
+fn comma_separated<T: FromStr>(text: &str) -> Option<Vec<T>> {
+    text.split(',').map(|part| part.trim().parse().ok()).collect()
+}
