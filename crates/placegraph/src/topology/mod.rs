@@ -2,4 +2,5 @@
 
 mod map;
 
-pub use map::{Connection, Doorway, EllipseAxes, Place, PlaceId, PolygonWithHoles, TopologicalMap};
+pub use crate::geom::EllipseAxes;
+pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, TopologicalMap};
