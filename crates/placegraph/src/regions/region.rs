@@ -1,5 +1,6 @@
 //! Regions and the partition they form.
 
+use super::DiagonalSteps;
 use crate::labels::{Label, Labeling};
 
 /// Position of a region in [`RegionMap::regions`]. Region images store `id + 1`; 0 is no region.
@@ -29,6 +30,8 @@ pub struct RegionMap {
     pub region_of: Vec<RegionId>,
     /// The regions.
     pub regions: Vec<Region>,
+    /// Which diagonal steps connect cells, within regions and between them.
+    pub diagonal: DiagonalSteps,
 }
 
 impl RegionMap {

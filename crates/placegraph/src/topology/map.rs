@@ -3,25 +3,13 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::geom::Point2;
+use crate::geom::{EllipseAxes, Point2};
 use crate::labels::Role;
 
 /// Number of a place: its region's value in the region image, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct PlaceId(pub u32);
-
-/// Axes of the ellipse with the same second moments as a region.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct EllipseAxes {
-    /// Full length of the major axis, in meters.
-    pub major_m: f64,
-    /// Full length of the minor axis, in meters.
-    pub minor_m: f64,
-    /// Direction of the major axis from the map's +x, counter-clockwise, in (−π/2, π/2].
-    pub direction_rad: f64,
-}
 
 /// An outline: the exterior ring counter-clockwise, holes clockwise, no ring repeats its first point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,5 +1,11 @@
 //! The topological map: places, doorways and how they connect (Sect. 4.7).
 
+mod build;
+mod clearance;
 mod map;
+mod opening;
+mod outline;
 
-pub use map::{Connection, Doorway, EllipseAxes, Place, PlaceId, PolygonWithHoles, TopologicalMap};
+pub use crate::geom::EllipseAxes;
+pub use build::build;
+pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, TopologicalMap};
