@@ -1,0 +1,78 @@
+//! A building as files, in the layout of the evaluation data: bytes only, the caller writes them.
+
+use image::{ExtendedColorType, ImageEncoder, ImageError, codecs::png::PngEncoder};
+use placegraph::grid::{Grid, Occupancy};
+
+use crate::Building;
+
+/// Why a building could not be turned into bytes.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum FilesError {
+    /// A picture could not be encoded.
+    #[error("could not encode {name}: {source}")]
+    Picture {
+        /// Name of the file.
+        name: &'static str,
+        /// What the encoder says.
+        source: ImageError,
+    },
+    /// The graph could not be serialized.
+    #[error("could not serialize graph.json: {0}")]
+    Graph(#[from] serde_json::Error),
+}
+
+/// `map.yaml`, `map.png`, `labels.png`, `rooms.png` and `graph.json`, each with its bytes.
+///
+/// Pictures have the map's top in their first row; `rooms.png` has 16 bits a pixel if there are more than 255
+/// rooms, else 8.
+///
+/// # Errors
+/// If an encoder fails, which it does only for want of memory.
+pub fn files(building: &Building) -> Result<Vec<(&'static str, Vec<u8>)>, FilesError> {
+    let gray = building.map.cells.map(|occupancy| match occupancy {
+        Occupancy::Occupied => 0,
+        Occupancy::Unknown => 205,
+        Occupancy::Free => 254,
+    });
+    let origin = building.map.frame.map_from_grid();
+    let yaml = format!(
+        "image: map.png\nmode: trinary\nresolution: {}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+        building.map.frame.resolution_m(),
+        origin.x,
+        origin.y,
+        origin.yaw_rad,
+    );
+    let rooms = if building.rooms.values().iter().all(|&room| room <= 255) {
+        png("rooms.png", &building.rooms.map(|&room| room as u8), ExtendedColorType::L8, |value| {
+            vec![*value]
+        })?
+    } else {
+        png("rooms.png", &building.rooms, ExtendedColorType::L16, |value| value.to_ne_bytes().to_vec())?
+    };
+    let mut graph = serde_json::to_vec_pretty(&building.graph)?;
+    graph.push(b'\n');
+    Ok(vec![
+        ("map.yaml", yaml.into_bytes()),
+        ("map.png", png("map.png", &gray, ExtendedColorType::L8, |value| vec![*value])?),
+        ("labels.png", png("labels.png", &building.labels, ExtendedColorType::L8, |value| vec![*value])?),
+        ("rooms.png", rooms),
+        ("graph.json", graph),
+    ])
+}
+
+/// `grid` as a PNG, top row first.
+fn png<T>(
+    name: &'static str,
+    grid: &Grid<T>,
+    color: ExtendedColorType,
+    bytes: impl Fn(&T) -> Vec<u8>,
+) -> Result<Vec<u8>, FilesError> {
+    let pixels: Vec<u8> =
+        (0..grid.height()).rev().flat_map(|y| grid.row(y).iter().flat_map(&bytes)).collect();
+    let mut file = Vec::new();
+    PngEncoder::new(&mut file)
+        .write_image(&pixels, grid.width(), grid.height(), color)
+        .map_err(|source| FilesError::Picture { name, source })?;
+    Ok(file)
+}

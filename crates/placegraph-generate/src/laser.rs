@@ -1,0 +1,150 @@
+//! The laser: ranges with noise, dropouts, glass, mixed pixels and people who walk by.
+
+use std::f64::consts::PI;
+
+use placegraph::geom::{Point2, Vec2};
+
+use crate::dice::Dice;
+use crate::ray::walk;
+use crate::scene::{Scene, Surface};
+use crate::shape::heading;
+
+/// The properties of one laser, from the data sheets of common 2-D scanners.
+#[derive(Clone, Debug)]
+pub(crate) struct Laser {
+    /// Directions of the beams in the robot's frame.
+    beams: Vec<Vec2>,
+    pub(crate) range_m: f64,
+    sigma_m: f64,
+    dropouts: f64,
+    /// Share of beams that end somewhere between two surfaces.
+    mixed: f64,
+    /// Share of beams that pass a pane.
+    transparency: f64,
+    /// Share of scans with somebody near.
+    people: f64,
+}
+
+/// One beam: where it points in the world, and what it measured.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beam {
+    pub(crate) toward: Vec2,
+    pub(crate) range_m: Option<f64>,
+}
+
+/// A leg or a body.
+struct Person {
+    center: Point2,
+    radius_m: f64,
+}
+
+impl Laser {
+    pub(crate) fn draw(dice: &mut Dice) -> Self {
+        let fov = dice.pick(&[PI, PI, 1.333 * PI, 1.5 * PI, 2.0 * PI, 2.0 * PI]);
+        let step = dice.pick(&[0.5_f64, 0.5, 1.0, 0.7]).to_radians();
+        let n = (fov / step).round() as usize;
+        let angle = |k: usize| -0.5 * fov + fov * k as f64 / n as f64;
+        Self {
+            beams: (0..n).map(|k| heading(angle(k))).collect(),
+            range_m: dice.pick(&[5.6, 8.0, 8.0, 12.0, 20.0, 30.0, 30.0]),
+            sigma_m: dice.between(0.004, 0.025),
+            dropouts: dice.between(0.0, 0.02),
+            mixed: dice.between(0.0, 0.012),
+            transparency: dice.between(0.3, 0.95),
+            people: dice.pick(&[0.0, 0.03, 0.12]),
+        }
+    }
+
+    /// How many turns it takes to look around.
+    pub(crate) fn turns(&self) -> usize {
+        let first = self.beams.first().map_or(1.0, |beam| beam.x);
+        if first < -0.9 { 1 } else { 3 }
+    }
+
+    /// A scan from `at` with the robot looking along `forward`.
+    pub(crate) fn scan(&self, scene: &Scene, at: Point2, forward: Vec2, dice: &mut Dice) -> Vec<Beam> {
+        let mut people = Vec::new();
+        if dice.chance(self.people) {
+            let away = heading(dice.between(0.0, 2.0 * PI));
+            let center = at + away * dice.between(0.8, 3.5);
+            let stride = heading(dice.between(0.0, PI)) * dice.between(0.05, 0.25);
+            people.push(Person { center: center + stride, radius_m: 0.07 });
+            people.push(Person { center: center - stride, radius_m: 0.07 });
+        }
+        self.beams
+            .iter()
+            .map(|beam| {
+                let toward = Vec2::new(
+                    forward.x * beam.x - forward.y * beam.y,
+                    forward.x * beam.y + forward.y * beam.x,
+                );
+                Beam { toward, range_m: self.measure(scene, at, toward, &people, dice) }
+            })
+            .collect()
+    }
+
+    fn measure(
+        &self,
+        scene: &Scene,
+        at: Point2,
+        toward: Vec2,
+        people: &[Person],
+        dice: &mut Dice,
+    ) -> Option<f64> {
+        if dice.chance(self.dropouts) {
+            return None;
+        }
+        let mut range = self.cast(scene, at, toward, dice);
+        for person in people {
+            if let Some(nearer) = person.hit(at, toward).filter(|&t| range.is_none_or(|range| t < range)) {
+                range = Some(nearer);
+            }
+        }
+        let range = range?;
+        if dice.chance(self.mixed) {
+            return Some(range + dice.between(-0.05, 0.6).min(self.range_m - range));
+        }
+        let noisy = range + self.sigma_m * dice.normal();
+        (noisy > 0.02 && noisy < self.range_m).then_some(noisy)
+    }
+
+    /// Distance to the first surface that does not let the beam pass.
+    fn cast(&self, scene: &Scene, at: Point2, toward: Vec2, dice: &mut Dice) -> Option<f64> {
+        let in_cells =
+            Point2::new((at.x - scene.origin.x) / scene.cell_m, (at.y - scene.origin.y) / scene.cell_m);
+        let (width, height) = (scene.surface.width(), scene.surface.height());
+        let surface = scene.surface.values();
+        let mut in_glass = false;
+        let mut hit = None;
+        walk(in_cells, toward, self.range_m / scene.cell_m, (width, height), |x, y, distance| {
+            let stops = match surface[y as usize * width as usize + x as usize] {
+                Surface::Open => {
+                    in_glass = false;
+                    false
+                }
+                Surface::Glass if in_glass => false,
+                Surface::Glass => {
+                    in_glass = true;
+                    !dice.chance(self.transparency)
+                }
+                _ => true,
+            };
+            if stops {
+                hit = Some((distance + 0.3) * scene.cell_m);
+            }
+            !stops
+        });
+        hit
+    }
+}
+
+impl Person {
+    /// Distance along the beam at which it meets the person.
+    fn hit(&self, at: Point2, toward: Vec2) -> Option<f64> {
+        let to_center = self.center - at;
+        let along = to_center.dot(toward);
+        let miss = to_center.cross(toward);
+        let inside = self.radius_m * self.radius_m - miss * miss;
+        (along > 0.0 && inside > 0.0).then(|| along - inside.sqrt())
+    }
+}
