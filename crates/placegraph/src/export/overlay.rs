@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::raster::mixed;
+use super::canvas::mixed;
 use crate::geom::Point2;
 use crate::grid::MapFrame;
 use crate::labels::{LabelSet, Role};

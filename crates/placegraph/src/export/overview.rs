@@ -10,7 +10,7 @@ use resvg::usvg;
 
 use super::overlay::{View, overlay_svg};
 use super::page::{Layout, Page};
-use super::raster::{Crop, PAPER, paint};
+use super::canvas::{Crop, PAPER, paint};
 use crate::grid::OccupancyGrid;
 use crate::labels::{Label, LabelSet};
 use crate::topology::TopologicalMap;

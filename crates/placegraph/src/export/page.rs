@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::overlay::{FONTS, INK, escaped, hex};
-use super::raster::{WALL, pastel};
+use super::canvas::{WALL, pastel};
 use crate::labels::{Label, LabelSet, Role};
 use crate::topology::TopologicalMap;
 

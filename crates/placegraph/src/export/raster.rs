@@ -1,132 +1,96 @@
-//! The map as pixels: free cells in the color of their class, walls dark, unknown cells light.
+//! Label and region images with the map_server YAML that georeferences them.
+//!
+//! An image's first row is the map's top row; the writers here flip. Cost: one pass and the compression.
 
-use crate::grid::{Cell, Occupancy, OccupancyGrid};
-use crate::labels::{Label, LabelSet};
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
 
-/// Color of occupied cells.
-pub(super) const WALL: [u8; 3] = [52, 58, 70];
-/// Color of unknown cells and of the page.
-pub(super) const PAPER: [u8; 3] = [255, 255, 255];
-/// Pictures of maps smaller than this get several pixels per cell.
-const LONGEST_SIDE_PX: f64 = 2000.0;
-/// Larger maps are drawn with several cells per pixel.
-const MAX_SIDE_PX: f64 = 4096.0;
-/// Cells of unknown space around what is known.
-const MARGIN_CELLS: u32 = 4;
-/// A wall weighs as much as this many free cells in a pixel, so that thin walls stay visible.
-const WALL_WEIGHT: u32 = 4;
+use crate::grid::{CellGraph, MapFrame};
+use crate::labels::Labeling;
+use crate::regions::RegionMap;
 
-/// The part of a map that is drawn, in cells, and its scale.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Crop {
-    pub(super) left: u32,
-    pub(super) bottom: u32,
-    pub(super) width: u32,
-    pub(super) height: u32,
-    /// Whole above 1.
-    pub(super) px_per_cell: f64,
+/// Why a raster cannot be written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum RasterError {
+    /// A 16-bit image holds 65535 ids beside 0.
+    #[error("expected at most 65535 regions for a 16-bit image, found {found}")]
+    TooManyRegions {
+        /// How many there are.
+        found: usize,
+    },
 }
 
-impl Crop {
-    /// The bounding box of what is known, with a margin; the whole map where nothing is.
-    pub(super) fn of_known(grid: &OccupancyGrid) -> Self {
-        let cells = &grid.cells;
-        let is_known = |&value: &Occupancy| value != Occupancy::Unknown;
-        let (mut left, mut right) = (cells.width(), 0);
-        let (mut bottom, mut top) = (cells.height(), 0);
-        for y in 0..cells.height() {
-            let row = cells.row(y);
-            let Some(first) = row.iter().position(is_known) else { continue };
-            let last = row.iter().rposition(is_known).unwrap_or(first);
-            left = left.min(first as u32);
-            right = right.max(last as u32 + 1);
-            bottom = bottom.min(y);
-            top = y + 1;
-        }
-        if left >= right {
-            (left, right, bottom, top) = (0, cells.width(), 0, cells.height());
-        }
-        left = left.saturating_sub(MARGIN_CELLS);
-        bottom = bottom.saturating_sub(MARGIN_CELLS);
-        let width = (right + MARGIN_CELLS).min(cells.width()) - left;
-        let height = (top + MARGIN_CELLS).min(cells.height()) - bottom;
-        let longest = width.max(height) as f64;
-        let px_per_cell = if longest > MAX_SIDE_PX {
-            MAX_SIDE_PX / longest
-        } else {
-            (LONGEST_SIDE_PX / longest).round().max(1.0)
-        };
-        Self { left, bottom, width, height, px_per_cell }
-    }
-
-    /// Number of pixels per row.
-    pub(super) fn width_px(&self) -> u32 {
-        (self.width as f64 * self.px_per_cell).ceil() as u32
-    }
-
-    /// Number of rows of pixels.
-    pub(super) fn height_px(&self) -> u32 {
-        (self.height as f64 * self.px_per_cell).ceil() as u32
-    }
-
-    /// The pixel of the upper left corner of a cell.
-    fn pixel(&self, cell: Cell) -> (usize, usize) {
-        let x = (cell.x - self.left) as f64 * self.px_per_cell;
-        let y = (self.bottom + self.height - 1 - cell.y) as f64 * self.px_per_cell;
-        (x as usize, y as usize)
-    }
+/// The label image: 8-bit gray PNG of the map's size, 0 where there is no free cell, `k` for the k-th class
+/// from 1. As values are at most 8, map_server reads them unchanged in mode raw.
+///
+/// # Panics
+/// If `labeling` has not one label per node.
+pub fn label_png(graph: &CellGraph, labeling: &Labeling) -> Vec<u8> {
+    assert_eq!(labeling.len(), graph.n_nodes(), "one label per node");
+    let pixels = image_rows(graph, |node| labeling[node].0 + 1);
+    png(graph, &pixels, ExtendedColorType::L8)
 }
 
-/// The color of a class in the picture: its own, lightened, so that lines and text stand out.
-pub(super) fn pastel(color: [u8; 3]) -> [u8; 3] {
-    mixed(color, PAPER, 0.42)
+/// The region image: 16-bit gray PNG of the map's size, 0 where there is no free cell, else region number
+/// plus 1. map_server reduces images to 8 bits, so this one is for programs that read 16.
+///
+/// # Errors
+/// If there are more than 65535 regions.
+///
+/// # Panics
+/// If `regions` has not one region per node.
+pub fn region_png(graph: &CellGraph, regions: &RegionMap) -> Result<Vec<u8>, RasterError> {
+    assert_eq!(regions.region_of.len(), graph.n_nodes(), "one region per node");
+    let found = regions.regions.len();
+    if found > usize::from(u16::MAX) {
+        return Err(RasterError::TooManyRegions { found });
+    }
+    let pixels = image_rows(graph, |node| regions.region_of[node].0 as u16 + 1);
+    // The encoder takes samples in the order of this machine's bytes.
+    let bytes: Vec<u8> = pixels.iter().flat_map(|id| id.to_ne_bytes()).collect();
+    Ok(png(graph, &bytes, ExtendedColorType::L16))
 }
 
-/// `color` with `share` of `other`.
-pub(super) fn mixed(color: [u8; 3], other: [u8; 3], share: f64) -> [u8; 3] {
-    std::array::from_fn(|i| (color[i] as f64 * (1.0 - share) + other[i] as f64 * share).round() as u8)
+/// The map_server YAML of an image in mode raw, with resolution and origin of `frame` to the last bit.
+pub fn raster_yaml(image: &str, frame: &MapFrame) -> String {
+    let origin = frame.map_from_grid();
+    format!(
+        "image: {}\nmode: raw\nresolution: {}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+        // A JSON string is a YAML string, whatever the file is called.
+        serde_json::Value::from(image),
+        yaml_float(frame.resolution_m()),
+        yaml_float(origin.x),
+        yaml_float(origin.y),
+        yaml_float(origin.yaw_rad),
+    )
 }
 
-/// Paints the cells of `crop` into `rgba`, rows of `stride_px` pixels from the top, at the pixel `offset`.
-pub(super) fn paint(
-    grid: &OccupancyGrid,
-    labeling: &[Label],
-    label_set: &LabelSet,
-    crop: &Crop,
-    rgba: &mut [u8],
-    stride_px: usize,
-    offset: (usize, usize),
-) {
-    let colors: Vec<[u8; 3]> = label_set.classes().iter().map(|class| pastel(class.color)).collect();
-    let mut sums: Vec<[u32; 4]> = vec![[0; 4]; (crop.width_px() * crop.height_px()) as usize];
-    let side = crop.px_per_cell.max(1.0) as usize;
-    let mut labels = labeling.iter();
-    for (cell, occupancy) in grid.cells.cells().zip(grid.cells.values()) {
-        let (color, weight) = match occupancy {
-            // Labels are in the order of the free cells.
-            Occupancy::Free => (labels.next().map_or(PAPER, |label| colors[label.index()]), 1),
-            Occupancy::Occupied => (WALL, WALL_WEIGHT),
-            Occupancy::Unknown => continue,
-        };
-        let (x, y) = crop.pixel(cell);
-        for row in y..y + side {
-            let start = row * crop.width_px() as usize + x;
-            for sum in &mut sums[start..start + side] {
-                for (channel, value) in sum.iter_mut().zip(color) {
-                    *channel += weight * value as u32;
-                }
-                sum[3] += weight;
-            }
-        }
+/// The shortest decimal with the same bits, always with a point and never with an exponent: YAML 1.1 readers
+/// take `1e-7` for a string and `1` for an integer.
+fn yaml_float(value: f64) -> String {
+    let text = value.to_string();
+    if text.contains('.') { text } else { text + ".0" }
+}
+
+/// A value per pixel, rows from the map's top: 0 where there is no node.
+fn image_rows<T: Copy + Default>(graph: &CellGraph, value: impl Fn(usize) -> T) -> Vec<T> {
+    let width = graph.width() as usize;
+    let mut pixels = vec![T::default(); width * graph.height() as usize];
+    for (node, cell) in graph.cells().iter().enumerate() {
+        let row = (graph.height() - 1 - cell.y) as usize;
+        pixels[row * width + cell.x as usize] = value(node);
     }
-    for (y, row) in sums.chunks_exact(crop.width_px() as usize).enumerate() {
-        let start = ((y + offset.1) * stride_px + offset.0) * 4;
-        for (pixel, [red, green, blue, n]) in rgba[start..].chunks_exact_mut(4).zip(row) {
-            if *n > 0 {
-                pixel.copy_from_slice(&[(red / n) as u8, (green / n) as u8, (blue / n) as u8, 255]);
-            }
-        }
-    }
+    pixels
+}
+
+#[expect(clippy::expect_used, reason = "the buffer has the size stated, and memory cannot refuse a write")]
+fn png(graph: &CellGraph, bytes: &[u8], color: ExtendedColorType) -> Vec<u8> {
+    let mut file = Vec::new();
+    PngEncoder::new_with_quality(&mut file, CompressionType::Default, FilterType::NoFilter)
+        .write_image(bytes, graph.width(), graph.height(), color)
+        .expect("a PNG in memory");
+    file
 }
 
 #[cfg(test)]
@@ -134,34 +98,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_crop_is_what_is_known_and_a_margin() {
-        let mut drawing = vec!["?".repeat(30); 20];
-        drawing[5].replace_range(10..12, "#.");
-        let grid = OccupancyGrid::from_ascii(0.05, &drawing.join("\n"));
-        let crop = Crop::of_known(&grid);
-        assert_eq!((crop.left, crop.bottom, crop.width, crop.height), (6, 10, 10, 9));
-        assert_eq!((crop.width_px(), crop.height_px()), (2000, 1800));
-        // The wall's upper left corner: 4 cells from the left, 4 from the top.
-        assert_eq!(crop.pixel(Cell::new(10, 14)), (800, 800));
-    }
-
-    #[test]
-    fn nothing_known_is_the_whole_map() {
-        let crop = Crop::of_known(&OccupancyGrid::from_ascii(0.05, "???\n???\n"));
-        assert_eq!((crop.width, crop.height), (3, 2));
-    }
-
-    #[test]
-    fn large_maps_shrink_and_keep_thin_walls() {
-        let mut row = vec![Occupancy::Free; 8192];
-        row[4] = Occupancy::Occupied;
-        let cells = crate::grid::Grid::from_rows(8192, 1, row);
-        let grid = OccupancyGrid { frame: OccupancyGrid::from_ascii(0.05, ".").frame, cells };
-        let crop = Crop::of_known(&grid);
-        let mut rgba = vec![0; 4096 * 4];
-        paint(&grid, &[Label(0); 8191], &LabelSet::default(), &crop, &mut rgba, 4096, (0, 0));
-        let free = pastel(LabelSet::default().classes()[0].color);
-        assert_eq!(rgba[..3], free);
-        assert_eq!(rgba[8] as u32, (4 * WALL[0] as u32 + free[0] as u32) / 5);
+    fn floats_keep_their_bits_and_their_point() {
+        for (value, text) in
+            [(0.05, "0.05"), (-10.0, "-10.0"), (1e-7, "0.0000001"), (0.1 + 0.2, "0.30000000000000004")]
+        {
+            assert_eq!(yaml_float(value), text);
+            assert_eq!(text.parse::<f64>().unwrap().to_bits(), value.to_bits());
+        }
+        assert_eq!(yaml_float(1e300).parse::<f64>().unwrap().to_bits(), 1e300f64.to_bits());
     }
 }

@@ -1,1 +1,25 @@
-//! Files to types: map_server YAML, images, CARMEN maps, label images.
+//! Files to types: map_server YAML, images, CARMEN maps, label images; and the check of a map that was read.
+//!
+//! The parsers take bytes and give types: [`ros::parse_yaml`], [`image::decode`], [`carmen::parse`],
+//! [`read_labels`], [`read_rooms`]. Only [`load_map`] opens files. All of them are for hostile input: sizes
+//! are checked from the header before memory is taken, numbers are checked to be finite, and whatever is
+//! wrong is a [`MapError`] or a [`LabelImageError`], never a panic.
+//!
+//! Images have their first row at the top, grids their row 0 at the bottom. The readers here and the writers
+//! in [`crate::export`] turn one into the other; nothing else does.
+
+pub mod carmen;
+mod check;
+mod error;
+mod finding;
+pub mod image;
+mod labels;
+mod load;
+pub mod ros;
+mod shape;
+
+pub use check::{MapCheck, Shares, check};
+pub use error::MapError;
+pub use finding::{Finding, Severity};
+pub use labels::{LabelCell, LabelCoding, LabelImageError, read_labels, read_rooms};
+pub use load::{Format, Gray205, ImageFolder, LoadedMap, ReadOptions, Source, load_map, read_image};

@@ -1,0 +1,183 @@
+//! What can be wrong with a map file.
+
+use std::io;
+use std::path::PathBuf;
+
+use crate::grid::FrameError;
+
+/// Why a map could not be read.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum MapError {
+    /// The error of a file, and which file.
+    #[error("{error} (in {})", path.display())]
+    InFile {
+        /// What is wrong.
+        error: Box<MapError>,
+        /// The file at fault.
+        path: PathBuf,
+    },
+    /// A file cannot be opened or read.
+    #[error("cannot read the file: {error}")]
+    Io {
+        /// What the system says.
+        error: io::Error,
+    },
+    /// A file is larger than any map within the limit on cells.
+    #[error("expected a file of at most {max_bytes} bytes, found a larger one")]
+    FileTooLarge {
+        /// The limit that follows from the limit on cells.
+        max_bytes: u64,
+    },
+    /// The YAML does not parse, lacks a key, or a value has another type.
+    #[error(
+        "expected a map_server YAML (image, resolution, origin, negate, occupied_thresh, free_thresh): \
+         line {line}, column {column}: {message}"
+    )]
+    Yaml {
+        /// What the parser says.
+        message: String,
+        /// Line, from 1; 0 if it is not known.
+        line: u64,
+        /// Column, from 1; 0 if it is not known.
+        column: u64,
+    },
+    /// `mode` is none of the three.
+    #[error("expected mode trinary, scale or raw, found {found:?}")]
+    Mode {
+        /// The value found.
+        found: String,
+    },
+    /// `negate` is neither a truth value nor an integer.
+    #[error("expected negate to be 0, 1, true or false, found {found:?}")]
+    Negate {
+        /// The value found.
+        found: String,
+    },
+    /// `origin` does not hold three numbers.
+    #[error("expected an origin of three numbers [x, y, yaw], found {found}")]
+    Origin {
+        /// How many it holds.
+        found: usize,
+    },
+    /// A threshold is not finite.
+    #[error("expected a finite number as {key}, found {found}")]
+    Threshold {
+        /// The key at fault.
+        key: &'static str,
+        /// The value found.
+        found: f64,
+    },
+    /// Resolution or origin cannot georeference a grid.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// The YAML names an image outside its own folder.
+    #[error(
+        "expected an image inside the folder of the YAML file, found {}: correct the path, \
+         or allow images anywhere (--allow-outside)",
+        image.display()
+    )]
+    ImageOutside {
+        /// The path in the YAML.
+        image: PathBuf,
+    },
+    /// The image that the YAML names cannot be read.
+    #[error("cannot read the image {}: {error}", image.display())]
+    ImageFile {
+        /// The image.
+        image: PathBuf,
+        /// What is wrong.
+        error: Box<MapError>,
+    },
+    /// The bytes are no image of a kind that is read.
+    #[error("expected a PNG or PNM (PGM, PBM, PPM) image, found {found}")]
+    ImageFormat {
+        /// What they look like.
+        found: &'static str,
+    },
+    /// The image is damaged.
+    #[error("the image is damaged: {message}")]
+    ImageData {
+        /// What the decoder says.
+        message: String,
+    },
+    /// A side of the map is zero.
+    #[error("expected at least one cell, found {width} x {height}")]
+    Empty {
+        /// Columns.
+        width: u64,
+        /// Rows.
+        height: u64,
+    },
+    /// The map has more cells than allowed.
+    #[error("expected at most {max_cells} cells, found {width} x {height}")]
+    TooManyCells {
+        /// Columns.
+        width: u64,
+        /// Rows.
+        height: u64,
+        /// The limit.
+        max_cells: u64,
+    },
+    /// An image without YAML, and no resolution was given.
+    #[error("an image alone has no scale: give its meters per pixel (--resolution)")]
+    NoResolution,
+    /// The CARMEN tag does not stand where the comments end.
+    #[error("expected CARMENMAPFILEv020 after the comments, found {found:?}")]
+    CarmenTag {
+        /// The bytes found, printable ones as they are.
+        found: String,
+    },
+    /// A CARMEN file ends early, or its gzip stream is damaged.
+    #[error("the CARMEN map is damaged or cut off in its {part}: {error}")]
+    CarmenRead {
+        /// Where the reader was.
+        part: &'static str,
+        /// What the stream says.
+        error: io::Error,
+    },
+    /// A CARMEN file without a grid.
+    #[error("expected a GRIDMAP chunk, found {n_chunks} chunks of other types")]
+    CarmenNoGrid {
+        /// Chunks seen.
+        n_chunks: u32,
+    },
+    /// The size of a CARMEN chunk is impossible.
+    #[error("expected a chunk size that fits {expected}, found {found}")]
+    CarmenSize {
+        /// What the size must fit.
+        expected: &'static str,
+        /// The size found.
+        found: i64,
+    },
+    /// A cell of a CARMEN grid is neither a probability nor −1.
+    #[error("expected a probability or -1 in cell ({x}, {y}), found {found}")]
+    CarmenValue {
+        /// Column, from the left.
+        x: u32,
+        /// Row, from the bottom.
+        y: u32,
+        /// The value found.
+        found: f64,
+    },
+}
+
+impl MapError {
+    /// The same error, with the file it is in.
+    pub(super) fn in_file(self, path: &std::path::Path) -> Self {
+        Self::InFile { error: Box::new(self), path: path.to_owned() }
+    }
+
+    /// Checks a size read from a header, before memory is taken for it.
+    pub(super) fn check_size(width: u64, height: u64, max_cells: u64) -> Result<(), Self> {
+        if width == 0 || height == 0 {
+            return Err(Self::Empty { width, height });
+        }
+        // Sides are u32 in a grid, and node ids too.
+        let limit = max_cells.min(u64::from(u32::MAX) - 1);
+        if width.checked_mul(height).is_none_or(|cells| cells > limit) {
+            return Err(Self::TooManyCells { width, height, max_cells: limit });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,176 @@
+//! What the check of a map can find, and the words for it.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::check::SPECK_M2;
+
+/// How bad a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Severity {
+    /// Good to know.
+    Info,
+    /// The result may be wrong.
+    Warning,
+    /// There is nothing to label.
+    Error,
+}
+
+/// One thing that the check found. `Display` says what it means and what to do.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(tag = "finding", rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum Finding {
+    /// No cell is free.
+    NoFreeCell,
+    /// The thresholds leave no room between free and occupied, or do not lie in 0..=1.
+    Thresholds {
+        /// Occupied from here on.
+        occupied_thresh: f64,
+        /// Free up to here.
+        free_thresh: f64,
+    },
+    /// Gray 205 is free by the letter of the file, and was taken as unknown.
+    Gray205Unknown {
+        /// Cells of this gray.
+        n_cells: u64,
+        /// Their share of all cells.
+        share: f64,
+        /// The threshold that makes them free.
+        free_thresh: f64,
+    },
+    /// Gray 205 is free by the letter of the file, and was taken as free, as asked.
+    Gray205Free {
+        /// Cells of this gray.
+        n_cells: u64,
+        /// Their share of all cells.
+        share: f64,
+        /// The threshold that makes them free.
+        free_thresh: f64,
+    },
+    /// Free cells form thin lines and occupied cells wide areas: the polarity is inverted.
+    Inverted {
+        /// Share of the free cells farther than 0.25 m, a robot's radius, from all others.
+        wide_free: f64,
+        /// Share of the occupied cells farther than that from all others.
+        wide_occupied: f64,
+    },
+    /// Free cells lie at the image's border.
+    OpenToBorder {
+        /// How many.
+        n_cells: u64,
+    },
+    /// A building of this size is hardly one: the resolution is wrong.
+    Resolution {
+        /// Meters per cell.
+        resolution_m: f64,
+        /// Width and height of the free cells' bounding box, in meters.
+        extent_m: [f64; 2],
+        /// Half of the free cells are this far from all others, in meters.
+        median_clearance_m: f64,
+        /// The farthest free cell is this far from all others, in meters.
+        largest_clearance_m: f64,
+    },
+    /// No cell is occupied: beams end at unknown cells only.
+    NoOccupiedCell,
+    /// No cell is unknown.
+    NoUnknownCell,
+    /// Pixels that are not opaque were read as unknown.
+    Transparent {
+        /// How many.
+        n_cells: u64,
+    },
+    /// Many small free areas that nothing leads to.
+    Specks {
+        /// Number of free areas below 0.25 m².
+        n_specks: u64,
+        /// Their area together, in square meters.
+        area_m2: f64,
+    },
+}
+
+impl Finding {
+    /// How bad it is.
+    pub const fn severity(&self) -> Severity {
+        match self {
+            Self::NoFreeCell => Severity::Error,
+            Self::Thresholds { .. }
+            | Self::Gray205Unknown { .. }
+            | Self::Gray205Free { .. }
+            | Self::Inverted { .. }
+            | Self::OpenToBorder { .. }
+            | Self::Resolution { .. }
+            | Self::NoOccupiedCell => Severity::Warning,
+            Self::NoUnknownCell | Self::Transparent { .. } | Self::Specks { .. } => Severity::Info,
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::NoFreeCell => {
+                write!(f, "no cell is free: check mode, negate and the thresholds in the YAML file")
+            }
+            Self::Thresholds { occupied_thresh, free_thresh } => write!(
+                f,
+                "free_thresh {free_thresh} should be below occupied_thresh {occupied_thresh}, both from 0 to 1: \
+                 where they cross, cells count as free; map savers write 0.196 and 0.65"
+            ),
+            Self::Gray205Unknown { n_cells, share, free_thresh } => write!(
+                f,
+                "gray 205 ({n_cells} cells, {:.1} %) is what map savers write for unknown, but free_thresh \
+                 {free_thresh} would make it free: it was read as unknown; write free_thresh: 0.196 into the \
+                 YAML file, or, if these cells are free indeed, use --gray-205 as-file",
+                100.0 * share
+            ),
+            Self::Gray205Free { n_cells, share, free_thresh } => write!(
+                f,
+                "gray 205 ({n_cells} cells, {:.1} %) was read as free, as free_thresh {free_thresh} says; map \
+                 savers write it for unknown, and then beams run through unexplored space: leave out \
+                 --gray-205 as-file to read it as unknown",
+                100.0 * share
+            ),
+            Self::Inverted { wide_free, wide_occupied } => write!(
+                f,
+                "free and occupied look exchanged: only {:.0} % of the free cells are wider than a robot, but \
+                 {:.0} % of the occupied ones; check negate in the YAML file (white is free when it is 0)",
+                100.0 * wide_free,
+                100.0 * wide_occupied
+            ),
+            Self::OpenToBorder { n_cells } => write!(
+                f,
+                "{n_cells} free cells lie at the border of the image, where beams end as at a wall; if the \
+                 outside is drawn as free, paint it unknown (gray 205), else give the map a margin"
+            ),
+            Self::Resolution {
+                resolution_m,
+                extent_m: [width, height],
+                median_clearance_m,
+                largest_clearance_m,
+            } => {
+                write!(
+                    f,
+                    "with {resolution_m} m per cell the free space spans {width:.1} m x {height:.1} m, half of \
+                     it is within {median_clearance_m:.2} m of a wall and the widest spot {largest_clearance_m:.1} \
+                     m from one, which is hardly a building: correct the resolution (--resolution)"
+                )
+            }
+            Self::NoOccupiedCell => write!(
+                f,
+                "no cell is occupied: check the thresholds in the YAML file; beams will end at unknown cells only"
+            ),
+            Self::NoUnknownCell => write!(f, "no cell is unknown: all that is not free counts as wall"),
+            Self::Transparent { n_cells } => {
+                write!(f, "{n_cells} cells are transparent in the image and were read as unknown or dimmed")
+            }
+            Self::Specks { n_specks, area_m2 } => write!(
+                f,
+                "{n_specks} free specks below {SPECK_M2} m² each ({area_m2:.1} m² together) are separated from the \
+                 rest, mostly beams that passed through windows; they make small regions of their own"
+            ),
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! PNG and PNM images to samples, whatever their color type.
+//!
+//! Palettes and depths below 8 bits are expanded, PNM samples scaled from their maximum. Cost: one pass.
+
+use std::io::Cursor;
+
+use image::codecs::png::PngDecoder;
+use image::codecs::pnm::PnmDecoder;
+use image::{ColorType, ImageDecoder, ImageError, ImageFormat, Limits};
+
+use super::MapError;
+
+/// What the samples of a pixel are, in their order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channels {
+    /// Gray.
+    Gray,
+    /// Gray, alpha.
+    GrayAlpha,
+    /// Red, green, blue.
+    Rgb,
+    /// Red, green, blue, alpha.
+    Rgba,
+}
+
+impl Channels {
+    /// Samples per pixel.
+    pub const fn len(self) -> usize {
+        match self {
+            Self::Gray => 1,
+            Self::GrayAlpha => 2,
+            Self::Rgb => 3,
+            Self::Rgba => 4,
+        }
+    }
+
+    /// Always false; a pixel has a sample.
+    pub const fn is_empty(self) -> bool {
+        false
+    }
+
+    /// Samples per pixel without alpha.
+    pub const fn n_colors(self) -> usize {
+        match self {
+            Self::Gray | Self::GrayAlpha => 1,
+            Self::Rgb | Self::Rgba => 3,
+        }
+    }
+}
+
+/// The samples of an image, at the depth the file has.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Samples {
+    /// 8 bits or fewer a sample, expanded to 0..=255.
+    Eight(Vec<u8>),
+    /// 16 bits a sample.
+    Sixteen(Vec<u16>),
+}
+
+/// A decoded image: rows from the *top*, pixels from the left, samples in the order of `channels`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Raster {
+    /// Number of columns, at least 1.
+    pub width: u32,
+    /// Number of rows, at least 1.
+    pub height: u32,
+    /// What the samples of a pixel are.
+    pub channels: Channels,
+    /// `width · height · channels.len()` samples.
+    pub samples: Samples,
+}
+
+impl Raster {
+    /// The samples with 8 bits each: 16-bit ones are divided by 257 and rounded, as GraphicsMagick does.
+    pub fn into_8_bit(self) -> Vec<u8> {
+        match self.samples {
+            Samples::Eight(samples) => samples,
+            Samples::Sixteen(samples) => {
+                samples.into_iter().map(|v| ((u32::from(v) + 128) / 257) as u8).collect()
+            }
+        }
+    }
+}
+
+/// Decodes `bytes`, whose first bytes tell PNG from PNM.
+///
+/// # Errors
+/// If the bytes are neither, the image is damaged or has no pixel, or it has more than `max_cells` pixels
+/// (found from the header, before memory is taken).
+pub fn decode(bytes: &[u8], max_cells: u64) -> Result<Raster, MapError> {
+    let cursor = Cursor::new(bytes);
+    match image::guess_format(bytes) {
+        Ok(ImageFormat::Png) => {
+            let mut limits = Limits::no_limits();
+            // The decoder's own buffers: a row or two and the text chunks.
+            limits.max_alloc = Some(max_cells.saturating_mul(8).saturating_add(1 << 20));
+            read(PngDecoder::with_limits(cursor, limits), max_cells)
+        }
+        Ok(ImageFormat::Pnm) => read(PnmDecoder::new(cursor), max_cells),
+        Ok(other) => Err(MapError::ImageFormat { found: name(other) }),
+        Err(_) if bytes.is_empty() => Err(MapError::ImageFormat { found: "an empty file" }),
+        Err(_) if is_text(bytes) => Err(MapError::ImageFormat { found: "text" }),
+        Err(_) => Err(MapError::ImageFormat { found: "unknown bytes" }),
+    }
+}
+
+fn read<D: ImageDecoder>(decoder: Result<D, ImageError>, max_cells: u64) -> Result<Raster, MapError> {
+    let damaged = |error: ImageError| MapError::ImageData { message: error.to_string() };
+    let decoder = decoder.map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    MapError::check_size(width.into(), height.into(), max_cells)?;
+    let (channels, wide) = match decoder.color_type() {
+        ColorType::L8 => (Channels::Gray, false),
+        ColorType::La8 => (Channels::GrayAlpha, false),
+        ColorType::Rgb8 => (Channels::Rgb, false),
+        ColorType::Rgba8 => (Channels::Rgba, false),
+        ColorType::L16 => (Channels::Gray, true),
+        ColorType::La16 => (Channels::GrayAlpha, true),
+        ColorType::Rgb16 => (Channels::Rgb, true),
+        ColorType::Rgba16 => (Channels::Rgba, true),
+        _ => return Err(MapError::ImageFormat { found: "an image with samples that are no integers" }),
+    };
+    let mut bytes = vec![0; decoder.total_bytes() as usize];
+    decoder.read_image(&mut bytes).map_err(damaged)?;
+    let samples = if wide {
+        let (pairs, _) = bytes.as_chunks::<2>();
+        Samples::Sixteen(pairs.iter().map(|&pair| u16::from_ne_bytes(pair)).collect())
+    } else {
+        Samples::Eight(bytes)
+    };
+    Ok(Raster { width, height, channels, samples })
+}
+
+fn name(format: ImageFormat) -> &'static str {
+    match format {
+        ImageFormat::Jpeg => "JPEG, which blurs gray values: save the original as PNG",
+        ImageFormat::Bmp => "BMP: convert it to PNG",
+        ImageFormat::Gif => "GIF: convert it to PNG",
+        ImageFormat::Tiff => "TIFF: convert it to PNG",
+        ImageFormat::WebP => "WebP: convert it to PNG",
+        _ => "another image format: convert it to PNG",
+    }
+}
+
+fn is_text(bytes: &[u8]) -> bool {
+    bytes.iter().take(512).all(|&b| b.is_ascii_graphic() || b.is_ascii_whitespace())
+}

@@ -1,0 +1,253 @@
+//! Opens a map, whatever its format.
+
+use std::fs::File;
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
+
+use serde::Serialize;
+use sha2::{Digest, Sha256};
+
+use super::image::Raster;
+use super::ros::{self, Brightness, Interpretation, Mode, Rules};
+use super::{MapError, carmen, image};
+use crate::geom::Pose2;
+use crate::grid::{Grid, MapFrame, Occupancy, OccupancyGrid};
+
+/// What to do with gray 205 where a trinary map's thresholds make it free.
+///
+/// Map savers write 205 for unknown, p = 0.19608; older Nav2 savers wrote `free_thresh: 0.25` beside it, which
+/// makes all unexplored space free.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Gray205 {
+    /// Unknown, where the file has the signature of the trap: see [`Source::gray_205_cells`].
+    #[default]
+    Unknown,
+    /// What the file says.
+    AsFile,
+}
+
+/// Where the image that a YAML names may lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ImageFolder {
+    /// In the folder of the YAML file or below it.
+    #[default]
+    Inside,
+    /// Anywhere: a YAML from a stranger then reads any file.
+    Anywhere,
+}
+
+/// How maps are read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadOptions {
+    /// Meters per pixel: needed for an image alone; else it replaces what the file says.
+    pub resolution_m: Option<f64>,
+    /// Replaces the file's threshold (CARMEN maps and images alone: 0.65).
+    pub occupied_thresh: Option<f64>,
+    /// Replaces the file's threshold (CARMEN maps and images alone: 0.196).
+    pub free_thresh: Option<f64>,
+    /// Whose loader is followed where Nav2 and ROS 1 differ.
+    pub rules: Rules,
+    /// What to do with gray 205 where it would be free.
+    pub gray_205: Gray205,
+    /// Where the image that a YAML names may lie.
+    pub image_folder: ImageFolder,
+    /// Most cells a map may have. Default 400 million.
+    pub max_cells: u64,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self {
+            resolution_m: None,
+            occupied_thresh: None,
+            free_thresh: None,
+            rules: Rules::default(),
+            gray_205: Gray205::default(),
+            image_folder: ImageFolder::default(),
+            max_cells: 400_000_000,
+        }
+    }
+}
+
+/// The kinds of map file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Format {
+    /// A map_server YAML and its image.
+    MapServer,
+    /// An image alone.
+    Image,
+    /// A CARMEN map.
+    Carmen,
+}
+
+/// How a map was read: what the check of it needs to know.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Source {
+    /// Kind of file.
+    pub format: Format,
+    /// What a gray value, or a CARMEN probability (as mode raw), was taken to mean.
+    pub interpretation: Interpretation,
+    /// What was asked for gray 205.
+    pub gray_205: Gray205,
+    /// Number of cells of gray 205 if the map has the signature of the trap, else 0: mode trinary, thresholds
+    /// that make 205 free, at least one cell in a hundred of exactly this gray, and more than half of the
+    /// cells with a gray between 101 and 249.
+    pub gray_205_cells: u64,
+    /// Number of cells that an alpha below 255 made unknown.
+    pub transparent_cells: u64,
+}
+
+/// A map that was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadedMap {
+    /// The map.
+    pub grid: OccupancyGrid,
+    /// Name of the file without folder and extension.
+    pub name: String,
+    /// How it was read.
+    pub source: Source,
+    /// SHA-256 of the bytes read, the YAML's before the image's, in hexadecimal.
+    pub hash: String,
+}
+
+/// Reads the map at `path`: a map_server YAML by its extension, else a CARMEN map (gzipped or not) or an image
+/// by its first bytes. Cost: a few passes over the cells.
+///
+/// # Errors
+/// If a file cannot be read or is not what it should be, see [`MapError`]; the error names the file.
+pub fn load_map(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
+    load(path, options).map_err(|error| error.in_file(path))
+}
+
+fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
+    let bytes = read_bounded(path, options)?;
+    let mut hash = Sha256::new_with_prefix(&bytes);
+    let (grid, source) = if is_yaml(path) {
+        let yaml = ros::parse_yaml(&bytes)?;
+        let image = image_path(path, &yaml.image, options.image_folder)?;
+        let in_image = |error| MapError::ImageFile { image: image.clone(), error: Box::new(error) };
+        let image_bytes = read_bounded(&image, options).map_err(in_image)?;
+        hash.update(&image_bytes);
+        let raster = image::decode(&image_bytes, options.max_cells).map_err(in_image)?;
+        let (cells, source) = read_image(raster, Format::MapServer, yaml.interpretation, options);
+        (OccupancyGrid { frame: replace_resolution(yaml.frame, options)?, cells }, source)
+    } else if carmen::is_carmen(&bytes) {
+        read_carmen(&bytes, options)?
+    } else {
+        let raster = image::decode(&bytes, options.max_cells)?;
+        let resolution_m = options.resolution_m.ok_or(MapError::NoResolution)?;
+        let (cells, source) = read_image(raster, Format::Image, Interpretation::default(), options);
+        (OccupancyGrid { frame: MapFrame::new(resolution_m, Pose2::default())?, cells }, source)
+    };
+    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let hash = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(LoadedMap { grid, name, source, hash })
+}
+
+/// The occupancy that `interpretation` gives the pixels of an image, under `options`; row 0 is the image's
+/// bottom row.
+pub fn read_image(
+    raster: Raster,
+    format: Format,
+    interpretation: Interpretation,
+    options: &ReadOptions,
+) -> (Grid<Occupancy>, Source) {
+    let how = replace_interpretation(interpretation, options);
+    let Brightness { cells, divisor } = ros::brightness(raster, &how);
+    let mut counts = vec![0; 256 * usize::from(divisor)];
+    let mut transparent_cells = 0;
+    for &(sum, alpha) in cells.values() {
+        counts[usize::from(sum)] += 1;
+        transparent_cells += u64::from(alpha < 255);
+    }
+    let gray_of = |sum: usize| sum as f64 / f64::from(divisor);
+    let gray_205_cells = trap_205(&counts, gray_of, &how);
+    let state = |sum: usize, alpha: u8| {
+        #[expect(clippy::float_cmp, reason = "whole numbers")]
+        let trapped = gray_205_cells > 0 && gray_of(sum) == 205.0 && options.gray_205 == Gray205::Unknown;
+        if trapped {
+            return Occupancy::Unknown;
+        }
+        ros::occupancy(ros::cell_value(gray_of(sum), alpha, &how), &how)
+    };
+    let opaque: Vec<Occupancy> = (0..counts.len()).map(|sum| state(sum, 255)).collect();
+    let occupancy = cells.map(|&(sum, alpha)| match alpha {
+        255 => opaque[usize::from(sum)],
+        _ => state(sum.into(), alpha),
+    });
+    let gray_205 = options.gray_205;
+    (occupancy, Source { format, interpretation: how, gray_205, gray_205_cells, transparent_cells })
+}
+
+/// Number of cells of gray 205 if the map has the signature of the trap, else 0.
+fn trap_205(counts: &[u64], gray_of: impl Fn(usize) -> f64, how: &Interpretation) -> u64 {
+    if how.mode != Mode::Trinary || how.negate || ros::cell_value(205.0, 255, how) != 0 {
+        return 0;
+    }
+    let count = |wanted: &dyn Fn(f64) -> bool| -> u64 {
+        counts.iter().enumerate().filter(|&(sum, _)| wanted(gray_of(sum))).map(|(_, n)| n).sum()
+    };
+    #[expect(clippy::float_cmp, reason = "whole numbers")]
+    let n_205 = count(&|gray| gray == 205.0);
+    let n_between = count(&|gray| gray > 100.0 && gray < 250.0);
+    let n_cells: u64 = counts.iter().sum();
+    if n_205 * 100 >= n_cells && n_205 * 2 > n_between { n_205 } else { 0 }
+}
+
+fn read_carmen(bytes: &[u8], options: &ReadOptions) -> Result<(OccupancyGrid, Source), MapError> {
+    let map = carmen::parse(bytes, options.max_cells)?;
+    let how = replace_interpretation(Interpretation { mode: Mode::Raw, ..Default::default() }, options);
+    let cells = map.probabilities.map(|&p| carmen::occupancy(p, &how));
+    let frame = replace_resolution(MapFrame::new(map.resolution_m, Pose2::default())?, options)?;
+    let source = Source {
+        format: Format::Carmen,
+        interpretation: how,
+        gray_205: options.gray_205,
+        gray_205_cells: 0,
+        transparent_cells: 0,
+    };
+    Ok((OccupancyGrid { frame, cells }, source))
+}
+
+fn replace_interpretation(file: Interpretation, options: &ReadOptions) -> Interpretation {
+    Interpretation {
+        occupied_thresh: options.occupied_thresh.unwrap_or(file.occupied_thresh),
+        free_thresh: options.free_thresh.unwrap_or(file.free_thresh),
+        rules: options.rules,
+        ..file
+    }
+}
+
+fn replace_resolution(frame: MapFrame, options: &ReadOptions) -> Result<MapFrame, MapError> {
+    let resolution_m = options.resolution_m.unwrap_or(frame.resolution_m());
+    Ok(MapFrame::new(resolution_m, frame.map_from_grid())?)
+}
+
+fn is_yaml(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yaml") || e.eq_ignore_ascii_case("yml"))
+}
+
+/// Reads a file that may be no larger than the largest map within the limit on cells.
+fn read_bounded(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, MapError> {
+    // Plain PNM spends up to 18 bytes a cell, a CARMEN map in f64 8; the rest is headers.
+    let max_bytes = options.max_cells.saturating_mul(18).saturating_add(1 << 20);
+    let io = |error| MapError::Io { error };
+    let mut bytes = Vec::new();
+    File::open(path).map_err(io)?.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
+    if bytes.len() as u64 > max_bytes {
+        return Err(MapError::FileTooLarge { max_bytes });
+    }
+    Ok(bytes)
+}
+
+/// The path of the image that the YAML file at `yaml` names as `image`.
+fn image_path(yaml: &Path, image: &str, folder: ImageFolder) -> Result<PathBuf, MapError> {
+    let image = Path::new(image);
+    let inside = image.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    if folder == ImageFolder::Inside && !inside {
+        return Err(MapError::ImageOutside { image: image.to_owned() });
+    }
+    Ok(yaml.parent().unwrap_or(Path::new("")).join(image))
+}
