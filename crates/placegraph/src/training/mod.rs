@@ -1,1 +1,17 @@
 //! From labeled maps to a model.
+
+mod config;
+mod dataset;
+mod error;
+mod folds;
+mod labeled_map;
+mod train;
+mod validate;
+
+pub use config::{Choice, TrainConfig};
+pub use dataset::{Dataset, Example};
+pub use error::TrainError;
+pub use folds::assign_folds;
+pub use labeled_map::{LabeledMap, Window};
+pub use train::{FeatureVote, Trained, TrainingReport, train};
+pub use validate::{RoundsScore, Validation};

@@ -1,0 +1,85 @@
+//! Time of the learning half: boosting, scores of many cells, order search, relaxation.
+//!
+//! `cargo bench -p placegraph --bench learn`
+
+use std::hint::black_box;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use placegraph::boost::{CompiledClassifiers, Scores, SortedTable, adaboost, search_order, table_scores};
+use placegraph::features::{FeatureId, FeatureTable};
+use placegraph::grid::{CellGraph, Grid, Occupancy};
+use placegraph::labels::{Label, LabelField};
+use placegraph::progress::Silent;
+use placegraph::relax::{Compatibility, RelaxConfig, relax};
+
+/// Cells of the left half of a building at 5 cm.
+const N_EXAMPLES: usize = 65_000;
+const N_FEATURES: usize = 203;
+
+/// Numbers from 0 to 1 from a small congruential generator.
+fn noise(n: usize, seed: u32) -> Vec<f32> {
+    let mut state = seed;
+    let next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) as f32 / 16_777_216.0
+    };
+    std::iter::repeat_with(next).take(n).collect()
+}
+
+/// Noisy copies of three hidden quantities, and classes that depend on them.
+fn examples() -> (FeatureTable, Vec<Label>) {
+    let hidden: Vec<Vec<f32>> = (0..3).map(|k| noise(N_EXAMPLES, k)).collect();
+    let column = |c: usize| {
+        let own = noise(N_EXAMPLES, 100 + c as u32);
+        own.into_iter().zip(&hidden[c % 3]).map(|(noise, value)| value + noise).collect::<Vec<_>>()
+    };
+    let values = (0..N_FEATURES).flat_map(column).collect();
+    let columns = (0..N_FEATURES as u16).map(FeatureId).collect();
+    let label = |i: usize| Label(u8::from(hidden[0][i] > 0.6) + u8::from(hidden[1][i] * hidden[2][i] > 0.4));
+    (FeatureTable::from_columns(columns, N_EXAMPLES, values), (0..N_EXAMPLES).map(label).collect())
+}
+
+fn boosting(c: &mut Criterion) {
+    let (table, labels) = examples();
+    let rows: Vec<u32> = (0..N_EXAMPLES as u32).collect();
+    let mut group = c.benchmark_group("boost");
+    group.sample_size(10);
+    group.bench_function("sort 65k x 203", |b| b.iter(|| SortedTable::new(&table, rows.clone())));
+    let sorted = SortedTable::new(&table, rows.clone());
+    group.bench_function("100 rounds, 65k x 203, 3 classes", |b| {
+        b.iter(|| adaboost(&sorted, &labels, 3, black_box(100), &Silent).unwrap());
+    });
+    let classifiers = CompiledClassifiers::new(&adaboost(&sorted, &labels, 3, 300, &Silent).unwrap());
+    group.bench_function("scores of 65k cells, 3 x 300 stumps", |b| {
+        b.iter(|| table_scores(&table, &rows, &classifiers));
+    });
+    let scores = Scores::from_rows(8, noise(8 * 10_000, 9).into_iter().map(|v| v * 8.0 - 4.0).collect());
+    let eight: Vec<Label> = (0..10_000).map(|i| Label((i % 8) as u8)).collect();
+    group.bench_function("40320 orders, 10k cells", |b| {
+        b.iter(|| search_order(&scores, &eight, &[1; 8], 1.0));
+    });
+    group.finish();
+}
+
+fn relaxation(c: &mut Criterion) {
+    let map = Grid::filled(1000, 1000, Occupancy::Free);
+    let graph = CellGraph::new(&map);
+    let values = noise(2_000_000, 1);
+    let row = |pair: &[f32]| {
+        let (a, b) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
+        [a, b - a, 1.0 - b]
+    };
+    let initial = LabelField::from_rows(3, values.chunks_exact(2).flat_map(row).collect());
+    let r = |k: usize, j: usize| if k == j { 0.9 } else { -0.6 };
+    let rows = (0..4).map(|k| (0..4).map(|j| r(k, j)).collect()).collect();
+    let compatibility = Compatibility::from_rows(rows).unwrap();
+    let mut group = c.benchmark_group("relax");
+    group.sample_size(10);
+    group.bench_function("50 iterations, 1M cells, 3 classes and wall", |b| {
+        b.iter(|| relax(&graph, &initial, &compatibility, &RelaxConfig::default()));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, boosting, relaxation);
+criterion_main!(benches);

@@ -1,0 +1,293 @@
+//! The model file: versioned JSON that names classes and features. It is read exactly or not at all.
+
+use serde::{Deserialize, Serialize};
+
+use super::{BoostedModel, Method, Model, TrainingRecord, sha256_hex};
+use crate::boost::{DecisionList, DecisionStump, Polarity, StrongClassifier, WeightedStump};
+use crate::features::FeatureId;
+use crate::labels::{Label, LabelSet};
+use crate::regions::Thresholds;
+use crate::relax::{Compatibility, RelaxConfig};
+use crate::scan::ScanConfig;
+
+/// The format's name, first in the file.
+pub const FORMAT: &str = "placegraph-model";
+/// The format's version that this program writes, and the only one it reads.
+pub const VERSION: u32 = 1;
+/// Largest file that is read, in bytes.
+pub const MAX_BYTES: usize = 64 << 20;
+/// Largest number of relaxation iterations that a model may ask for.
+const MAX_ITERATIONS: u32 = 100_000;
+
+/// Why bytes are no model that this program can use.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ModelError {
+    /// More bytes than any model has.
+    #[error("expected a model of at most {MAX_BYTES} bytes, found {found}")]
+    TooLarge {
+        /// Number of bytes.
+        found: usize,
+    },
+    /// No JSON, or not the fields of a model.
+    #[error("expected a placegraph model, found {source}")]
+    Json {
+        /// What is wrong, with line and column.
+        source: serde_json::Error,
+    },
+    /// JSON of something else.
+    #[error("expected the format {FORMAT:?}, found {found:?}")]
+    Format {
+        /// The format that the file names.
+        found: String,
+    },
+    /// A model of another version.
+    #[error("expected version {VERSION} of the model format, found version {found}")]
+    Version {
+        /// The version that the file names.
+        found: u64,
+    },
+    /// A feature that this program cannot compute.
+    #[error("expected a feature of this version's registry, found {name:?}")]
+    Feature {
+        /// Its name.
+        name: String,
+    },
+    /// A class that the label set lacks.
+    #[error("expected the name of a class in the list's order, found {name:?}")]
+    Class {
+        /// The name found.
+        name: String,
+    },
+    /// A list of another length.
+    #[error("expected {expected} {of}, found {found}")]
+    Count {
+        /// What is counted.
+        of: &'static str,
+        /// How many there must be.
+        expected: usize,
+        /// How many there are.
+        found: usize,
+    },
+    /// A name or class twice where each may stand once.
+    #[error("expected every one of the {of} once, found {name:?} twice")]
+    Twice {
+        /// What is listed.
+        of: &'static str,
+        /// What is there twice.
+        name: String,
+    },
+    /// A number outside its range.
+    #[error("expected {expected} as {field}, found {found}")]
+    Value {
+        /// The number's name in the file.
+        field: &'static str,
+        /// Its range.
+        expected: &'static str,
+        /// The number found.
+        found: f64,
+    },
+}
+
+/// The fields that tell whether the rest can be read.
+#[derive(Deserialize)]
+struct Header {
+    format: String,
+    version: u64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ModelFile {
+    format: String,
+    version: u32,
+    label_set: LabelSet,
+    scan: ScanConfig,
+    method: MethodFile,
+    thresholds: Thresholds,
+    record: TrainingRecord,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum MethodFile {
+    Boosted(BoostedFile),
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoostedFile {
+    order: Vec<String>,
+    temperature: f64,
+    /// Names of the features; stumps give the position.
+    features: Vec<String>,
+    /// Per class: feature, threshold, polarity, alpha.
+    classifiers: Vec<Vec<(u32, f32, i8, f64)>>,
+    relaxation: RelaxConfig,
+    compatibility: Compatibility,
+}
+
+impl Model {
+    /// Reads a model file.
+    ///
+    /// # Errors
+    /// If the bytes are not a model of this version, name an unknown feature, or hold a number out of range.
+    pub fn from_json(bytes: &[u8]) -> Result<Self, ModelError> {
+        if bytes.len() > MAX_BYTES {
+            return Err(ModelError::TooLarge { found: bytes.len() });
+        }
+        let json = |source| ModelError::Json { source };
+        let header: Header = serde_json::from_slice(bytes).map_err(json)?;
+        if header.format != FORMAT {
+            return Err(ModelError::Format { found: header.format });
+        }
+        if header.version != u64::from(VERSION) {
+            return Err(ModelError::Version { found: header.version });
+        }
+        let file: ModelFile = serde_json::from_slice(bytes).map_err(json)?;
+        check_scan(&file.scan)?;
+        check_thresholds(&file.thresholds)?;
+        positive("resolution_m", file.record.resolution_m)?;
+        let method = match file.method {
+            MethodFile::Boosted(boosted) => Method::Boosted(boosted.into_model(&file.label_set)?),
+        };
+        let (label_set, scan) = (file.label_set, file.scan);
+        Ok(Self { label_set, scan, method, thresholds: file.thresholds, record: file.record })
+    }
+
+    /// The model as bytes of a file: the same model gives the same bytes.
+    ///
+    /// # Panics
+    /// If a feature is not in the registry.
+    #[expect(clippy::expect_used, reason = "all keys are strings and writing to memory cannot fail")]
+    pub fn to_json(&self) -> Vec<u8> {
+        let method = match &self.method {
+            Method::Boosted(boosted) => MethodFile::Boosted(BoostedFile::new(boosted, &self.label_set)),
+        };
+        let file = ModelFile {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            label_set: self.label_set.clone(),
+            scan: self.scan,
+            method,
+            thresholds: self.thresholds,
+            record: self.record.clone(),
+        };
+        let mut bytes = serde_json::to_vec(&file).expect("a model is representable as JSON");
+        bytes.push(b'\n');
+        bytes
+    }
+
+    /// SHA-256 of the model's file, in hexadecimal: results name the model by it.
+    pub fn hash(&self) -> String {
+        sha256_hex(&self.to_json())
+    }
+}
+
+impl BoostedFile {
+    fn new(model: &BoostedModel, label_set: &LabelSet) -> Self {
+        let columns = model.columns();
+        let stump = |w: &WeightedStump| {
+            let column = columns.partition_point(|&id| id < w.stump.feature) as u32;
+            let polarity = match w.stump.polarity {
+                Polarity::Below => 1,
+                Polarity::Above => -1,
+            };
+            (column, w.stump.threshold, polarity, w.alpha)
+        };
+        let list = &model.list;
+        Self {
+            order: list.order.iter().map(|&label| label_set.class(label).name.clone()).collect(),
+            temperature: list.temperature,
+            features: columns.iter().map(|id| id.feature().name.clone()).collect(),
+            classifiers: list.classifiers.iter().map(|c| c.stumps.iter().map(stump).collect()).collect(),
+            relaxation: model.relaxation,
+            compatibility: model.compatibility.clone(),
+        }
+    }
+
+    fn into_model(self, label_set: &LabelSet) -> Result<BoostedModel, ModelError> {
+        let n_labels = label_set.len();
+        count("classes in the list's order", n_labels, self.order.len())?;
+        count("classifiers", n_labels, self.classifiers.len())?;
+        count("classes in the compatibilities", n_labels, self.compatibility.n_labels())?;
+        unique("classes in the list's order", &self.order)?;
+        unique("features", &self.features)?;
+        positive("temperature", self.temperature)?;
+        range("iterations", "at most 100000", self.relaxation.iterations <= MAX_ITERATIONS, || {
+            self.relaxation.iterations.into()
+        })?;
+        let label = |name: &String| label_set.label(name).ok_or(ModelError::Class { name: name.clone() });
+        let order = self.order.iter().map(label).collect::<Result<Vec<Label>, _>>()?;
+        let feature =
+            |name: &String| FeatureId::from_name(name).ok_or(ModelError::Feature { name: name.clone() });
+        let features = self.features.iter().map(feature).collect::<Result<Vec<FeatureId>, _>>()?;
+        let classifier = |stumps: &Vec<(u32, f32, i8, f64)>| {
+            let stumps =
+                stumps.iter().map(|&stump| read_stump(stump, &features)).collect::<Result<_, _>>()?;
+            Ok(StrongClassifier { stumps })
+        };
+        let classifiers = self.classifiers.iter().map(classifier).collect::<Result<_, ModelError>>()?;
+        let list = DecisionList { order, classifiers, temperature: self.temperature };
+        Ok(BoostedModel { list, relaxation: self.relaxation, compatibility: self.compatibility })
+    }
+}
+
+fn read_stump(stump: (u32, f32, i8, f64), features: &[FeatureId]) -> Result<WeightedStump, ModelError> {
+    let (column, threshold, polarity, alpha) = stump;
+    let Some(&feature) = features.get(column as usize) else {
+        let expected = "a position in the features";
+        return Err(ModelError::Value { field: "a stump's feature", expected, found: column.into() });
+    };
+    range("a stump's threshold", "a finite number", threshold.is_finite(), || threshold.into())?;
+    range("a stump's alpha", "a number from 0", alpha.is_finite() && alpha >= 0.0, || alpha)?;
+    let polarity = match polarity {
+        1 => Polarity::Below,
+        -1 => Polarity::Above,
+        other => {
+            let (field, expected) = ("a stump's polarity", "1 or -1");
+            return Err(ModelError::Value { field, expected, found: other.into() });
+        }
+    };
+    Ok(WeightedStump { stump: DecisionStump { feature, threshold, polarity }, alpha })
+}
+
+fn check_scan(scan: &ScanConfig) -> Result<(), ModelError> {
+    positive("range_max_m", scan.range_max_m)?;
+    positive("range_scale", scan.range_scale)
+}
+
+fn check_thresholds(thresholds: &Thresholds) -> Result<(), ModelError> {
+    for (field, value) in
+        [("min_place_m2", thresholds.min_place_m2), ("min_doorway_m2", thresholds.min_doorway_m2)]
+    {
+        range(field, "a number from 0", value.is_finite() && value >= 0.0, || value)?;
+    }
+    Ok(())
+}
+
+fn positive(field: &'static str, value: f64) -> Result<(), ModelError> {
+    range(field, "a number above 0", value.is_finite() && value > 0.0, || value)
+}
+
+fn range(
+    field: &'static str,
+    expected: &'static str,
+    holds: bool,
+    found: impl Fn() -> f64,
+) -> Result<(), ModelError> {
+    if holds { Ok(()) } else { Err(ModelError::Value { field, expected, found: found() }) }
+}
+
+fn count(of: &'static str, expected: usize, found: usize) -> Result<(), ModelError> {
+    if expected == found { Ok(()) } else { Err(ModelError::Count { of, expected, found }) }
+}
+
+fn unique(of: &'static str, names: &[String]) -> Result<(), ModelError> {
+    let mut sorted: Vec<&String> = names.iter().collect();
+    sorted.sort_unstable();
+    match sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+        Some(pair) => Err(ModelError::Twice { of, name: pair[0].clone() }),
+        None => Ok(()),
+    }
+}

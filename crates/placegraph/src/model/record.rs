@@ -1,0 +1,63 @@
+//! Where a model comes from. Nothing but people reads it, except for the resolution.
+
+use serde::{Deserialize, Serialize};
+
+/// How a model was trained.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TrainingRecord {
+    /// Version of the program that trained the model.
+    pub program_version: String,
+    /// The maps.
+    pub maps: Vec<MapRecord>,
+    /// Side of the cells for which the compatibilities hold, in meters.
+    pub resolution_m: f64,
+    /// Share of the training examples that the list labels wrongly.
+    pub training_error: f64,
+    /// What held-out examples said; absent if no part of the maps could be held out.
+    pub validation: Option<ValidationRecord>,
+    /// The settings of training.
+    pub settings: serde_json::Value,
+}
+
+/// A map that a model was trained on.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapRecord {
+    /// Name, as the caller gave it.
+    pub name: String,
+    /// SHA-256 of the map's cells and labels, in hexadecimal.
+    pub sha256: String,
+    /// Side of a cell, in meters.
+    pub resolution_m: f64,
+    /// Labeled free cells of each class.
+    pub cells_per_class: Vec<u64>,
+}
+
+/// What held-out examples said.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ValidationRecord {
+    /// Number of parts that were held out, one after the other.
+    pub n_folds: usize,
+    /// Number of boosting rounds.
+    pub n_rounds: usize,
+    /// Temperature of the confidences.
+    pub temperature: f64,
+    /// Mean of −ln p(true class) under the list.
+    pub log_loss: f64,
+    /// The orders by falling accuracy; of more than four classes the best 24.
+    pub orders: Vec<OrderRecord>,
+}
+
+/// How well one order of the decision list did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OrderRecord {
+    /// Names of the classes, first asked first.
+    pub order: Vec<String>,
+    /// Share of cells labeled right.
+    pub accuracy: f64,
+    /// Mean of the classes' F1 values.
+    pub macro_f1: f64,
+}

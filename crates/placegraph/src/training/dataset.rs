@@ -1,0 +1,133 @@
+//! Labeled maps as a table of examples. Cost: that of the features; memory 4 bytes per example and feature.
+
+use std::collections::BTreeMap;
+
+use super::{LabeledMap, TrainConfig, TrainError, assign_folds};
+use crate::features::{FeatureTable, extract};
+use crate::grid::Cell;
+use crate::labels::{Label, LabelSet};
+use crate::progress::{Progress, Stage};
+use crate::scan::ScanConfig;
+
+/// Examples are numbered in 31 bits.
+const MAX_EXAMPLES: usize = (1 << 31) - 1;
+
+/// A row of a data set besides its features.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Example {
+    /// The true class.
+    pub label: Label,
+    /// The fold in which the example is held out.
+    pub fold: u8,
+}
+
+/// Examples: features of scans, their classes and folds.
+///
+/// Rows are ordered by map, then by scale, then by cell in row-major order.
+#[derive(Clone, Debug)]
+pub struct Dataset {
+    /// The features.
+    pub table: FeatureTable,
+    /// The rest of every row.
+    pub examples: Vec<Example>,
+    /// How many labeled cells an example of each class stands for: more than 1 where cells were left out.
+    pub cells_per_example: Vec<u32>,
+}
+
+/// The cells of one map to learn from.
+struct Chosen {
+    cells: Vec<Cell>,
+    examples: Vec<Example>,
+}
+
+impl Dataset {
+    /// Computes the features of the labeled cells of `maps`, once for every scale.
+    ///
+    /// # Errors
+    /// If labels do not fit their map or the label set, or a class has no cell.
+    pub fn build(
+        maps: &[LabeledMap],
+        label_set: &LabelSet,
+        config: &TrainConfig,
+        progress: &dyn Progress,
+    ) -> Result<Self, TrainError> {
+        maps.iter().try_for_each(|map| map.check(label_set))?;
+        let cells_per_example = thinning(maps, label_set, config)?;
+        let chosen = choose(maps, label_set, config, &cells_per_example);
+        let n_rows = chosen.iter().map(|chosen| chosen.cells.len()).sum::<usize>() * config.scales.len();
+        if n_rows > MAX_EXAMPLES {
+            return Err(TrainError::TooManyExamples { limit: MAX_EXAMPLES, found: n_rows });
+        }
+        progress.begin(Stage::Features);
+        let mut columns = config.features.clone();
+        columns.sort_unstable();
+        let mut values = vec![0.0; n_rows * columns.len()];
+        let mut examples = Vec::with_capacity(n_rows);
+        for (map, chosen) in maps.iter().zip(&chosen) {
+            for &scale in &config.scales {
+                let scan = ScanConfig { range_scale: config.scan.range_scale * scale, ..config.scan };
+                let part = extract(&map.grid, &chosen.cells, &columns, &scan, progress);
+                for (column, all) in values.chunks_exact_mut(n_rows).enumerate() {
+                    all[examples.len()..][..part.n_rows()].copy_from_slice(part.column(column));
+                }
+                examples.extend(&chosen.examples);
+            }
+        }
+        let table = FeatureTable::from_columns(columns, n_rows, values);
+        Ok(Self { table, examples, cells_per_example })
+    }
+
+    /// The true classes of all examples.
+    pub fn labels(&self) -> Vec<Label> {
+        self.examples.iter().map(|example| example.label).collect()
+    }
+}
+
+/// Of every class each how manieth cell is taken.
+fn thinning(maps: &[LabeledMap], label_set: &LabelSet, config: &TrainConfig) -> Result<Vec<u32>, TrainError> {
+    let mut n_cells = vec![0; label_set.len()];
+    maps.iter().flat_map(LabeledMap::labeled_cells).for_each(|(_, label)| n_cells[label.index()] += 1);
+    if n_cells.iter().all(|&n| n == 0) {
+        return Err(TrainError::NoLabels);
+    }
+    if let Some(absent) = label_set.labels().find(|label| n_cells[label.index()] == 0) {
+        return Err(TrainError::ClassAbsent { class: label_set.class(absent).name.clone() });
+    }
+    let step = |n: usize| config.max_cells_per_class.map_or(1, |most| n.div_ceil(most));
+    Ok(n_cells.into_iter().map(|n| step(n) as u32).collect())
+}
+
+/// The cells to learn from and their folds.
+fn choose(maps: &[LabeledMap], label_set: &LabelSet, config: &TrainConfig, every: &[u32]) -> Vec<Chosen> {
+    let mut seen = vec![0; label_set.len()];
+    let mut block_numbers = BTreeMap::new();
+    let mut blocks: Vec<Vec<usize>> = Vec::new();
+    let mut block_of: Vec<usize> = Vec::new();
+    let mut chosen = Vec::new();
+    for (number, map) in maps.iter().enumerate() {
+        let (mut cells, mut examples) = (Vec::new(), Vec::new());
+        for (cell, label) in map.labeled_cells() {
+            let taken = seen[label.index()] % every[label.index()] == 0;
+            seen[label.index()] += 1;
+            if !taken {
+                continue;
+            }
+            let block_at =
+                |v: u32| ((v as f64 + 0.5) * map.grid.frame.resolution_m() / config.block_m) as u64;
+            let at = (number, block_at(cell.y), block_at(cell.x));
+            let block = *block_numbers.entry(at).or_insert(blocks.len());
+            if block == blocks.len() {
+                blocks.push(vec![0; label_set.len()]);
+            }
+            blocks[block][label.index()] += 1;
+            block_of.push(block);
+            cells.push(cell);
+            examples.push(Example { label, fold: 0 });
+        }
+        chosen.push(Chosen { cells, examples });
+    }
+    let folds = assign_folds(&blocks, config.n_folds);
+    let examples = chosen.iter_mut().flat_map(|chosen| &mut chosen.examples);
+    examples.zip(block_of).for_each(|(example, block)| example.fold = folds[block] as u8);
+    chosen
+}

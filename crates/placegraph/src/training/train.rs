@@ -1,0 +1,174 @@
+//! Labeled maps to a model: the only code that calls every trainer of the boosted method.
+//!
+//! Cost: features of the labeled cells at every scale, `n_folds + 1` runs of boosting, all orders of the list.
+//!
+//! **Deviations**: order, rounds and temperature come from held-out blocks of the training maps. The chapter takes the
+//! order that does best on the test map, and says nothing of rounds; its confidences have temperature 1
+//! ([`TrainConfig::chapter`]).
+
+use super::config::{CHAPTER_ROUNDS, CHAPTER_TEMPERATURE};
+use super::validate::{best_order, validate};
+use super::{Dataset, LabeledMap, TrainConfig, TrainError, Validation};
+use crate::boost::{
+    CompiledClassifiers, DecisionList, OrderScore, SortedTable, StrongClassifier, adaboost, search_order,
+    table_scores,
+};
+use crate::features::FeatureId;
+use crate::labels::{Label, LabelSet};
+use crate::model::{BoostedModel, Method, Model, OrderRecord, TrainingRecord, ValidationRecord};
+use crate::progress::{Progress, Stage};
+use crate::relax::{Compatibility, PairCounts, with_walls};
+
+/// Resolutions that differ by no more than this share are one: savers of maps round them.
+const SAME_RESOLUTION: f64 = 0.1;
+/// Orders that the model's record lists.
+const RECORDED_ORDERS: usize = 24;
+
+/// A model and how it came about.
+#[derive(Clone, Debug)]
+pub struct Trained {
+    /// The model.
+    pub model: Model,
+    /// How it came about.
+    pub report: TrainingReport,
+}
+
+/// How training went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrainingReport {
+    /// Number of examples of each class.
+    pub n_examples: Vec<usize>,
+    /// What held-out examples said; `None` if no part could be held out.
+    pub validation: Option<Validation>,
+    /// Share of the training cells that the list labels wrongly.
+    pub training_error: f64,
+    /// The features in use, by falling total vote.
+    pub votes: Vec<FeatureVote>,
+}
+
+/// How much a feature says.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FeatureVote {
+    /// The feature.
+    pub feature: FeatureId,
+    /// Sum of α over its stumps, for each class.
+    pub alpha: Vec<f64>,
+}
+
+/// Trains the boosted method on `maps`.
+///
+/// # Errors
+/// If a setting is out of range, labels do not fit their map or the label set, or a class has no cell.
+pub fn train(
+    maps: &[LabeledMap],
+    label_set: &LabelSet,
+    config: &TrainConfig,
+    progress: &dyn Progress,
+) -> Result<Trained, TrainError> {
+    config.validate()?;
+    let data = Dataset::build(maps, label_set, config, progress)?;
+    let validation = validate(&data, config, progress);
+    let (list, training_error) = train_list(&data, validation.as_ref(), label_set, config, progress)?;
+    let (compatibility, resolution_m) = compatibility(maps, label_set, config);
+    let record = TrainingRecord {
+        program_version: env!("CARGO_PKG_VERSION").to_owned(),
+        maps: maps.iter().map(|map| map.record(label_set)).collect(),
+        resolution_m,
+        training_error,
+        validation: validation.as_ref().map(|validation| record(validation, label_set)),
+        settings: config.record(),
+    };
+    let n_examples = |label: Label| data.examples.iter().filter(|example| example.label == label).count();
+    let report = TrainingReport {
+        n_examples: label_set.labels().map(n_examples).collect(),
+        validation,
+        training_error,
+        votes: votes(&list.classifiers),
+    };
+    let boosted = BoostedModel { list, relaxation: config.relaxation, compatibility };
+    let model = Model {
+        label_set: label_set.clone(),
+        scan: config.scan,
+        method: Method::Boosted(boosted),
+        thresholds: config.thresholds,
+        record,
+    };
+    Ok(Trained { model, report })
+}
+
+/// The decision list from all examples, and its error on them.
+fn train_list(
+    data: &Dataset,
+    validation: Option<&Validation>,
+    label_set: &LabelSet,
+    config: &TrainConfig,
+    progress: &dyn Progress,
+) -> Result<(DecisionList, f64), TrainError> {
+    // Where nothing could be held out, the chapter's numbers stand in for a choice.
+    let (n_rounds, temperature) = validation.map_or_else(
+        || (config.rounds.set_or(CHAPTER_ROUNDS), config.temperature.set_or(CHAPTER_TEMPERATURE)),
+        |validation| (validation.n_rounds, validation.temperature),
+    );
+    progress.begin(Stage::Boost);
+    let labels = data.labels();
+    let rows: Vec<u32> = (0..labels.len() as u32).collect();
+    let sorted = SortedTable::new(&data.table, rows.clone());
+    let classifiers =
+        adaboost(&sorted, &labels, label_set.len(), n_rounds, progress).map_err(|_| TrainError::NoLabels)?;
+    drop(sorted);
+    let scores = table_scores(&data.table, &rows, &CompiledClassifiers::new(&classifiers));
+    let on_training = search_order(&scores, &labels, &data.cells_per_example, temperature);
+    let order = best_order(validation.map_or(&on_training, |validation| &validation.orders)).order.clone();
+    let accuracy = on_training.iter().find(|score| score.order == order).map_or(0.0, |score| score.accuracy);
+    Ok((DecisionList { order, classifiers, temperature }, 1.0 - accuracy))
+}
+
+/// The compatibilities of all maps with the first map's resolution, and that resolution.
+fn compatibility(maps: &[LabeledMap], label_set: &LabelSet, config: &TrainConfig) -> (Compatibility, f64) {
+    let resolution_m = maps.first().map_or(0.0, |map| map.grid.frame.resolution_m());
+    let same =
+        |map: &&LabeledMap| (map.grid.frame.resolution_m() / resolution_m - 1.0).abs() <= SAME_RESOLUTION;
+    let mut counts = PairCounts::new(label_set.len());
+    for map in maps.iter().filter(same) {
+        let labels = with_walls(&map.grid.cells, &map.labels, label_set.len());
+        counts.add(&map.inside_window(labels));
+    }
+    (counts.compatibility(config.least_compatible), resolution_m)
+}
+
+/// Sums of α by feature, largest total first; ties go to the lower feature.
+fn votes(classifiers: &[StrongClassifier]) -> Vec<FeatureVote> {
+    let mut votes: Vec<FeatureVote> = CompiledClassifiers::new(classifiers)
+        .columns()
+        .iter()
+        .map(|&feature| FeatureVote { feature, alpha: vec![0.0; classifiers.len()] })
+        .collect();
+    for (class, classifier) in classifiers.iter().enumerate() {
+        for w in &classifier.stumps {
+            let at = votes.partition_point(|vote| vote.feature < w.stump.feature);
+            votes[at].alpha[class] += w.alpha;
+        }
+    }
+    let total = |vote: &FeatureVote| vote.alpha.iter().sum::<f64>();
+    votes.sort_by(|a, b| total(b).total_cmp(&total(a)).then(a.feature.cmp(&b.feature)));
+    votes
+}
+
+fn record(validation: &Validation, label_set: &LabelSet) -> ValidationRecord {
+    let mut orders: Vec<&OrderScore> = validation.orders.iter().collect();
+    orders.sort_by(|a, b| b.accuracy.total_cmp(&a.accuracy));
+    orders.truncate(RECORDED_ORDERS);
+    let name = |label: &Label| label_set.class(*label).name.clone();
+    let order = |score: &OrderScore| OrderRecord {
+        order: score.order.iter().map(name).collect(),
+        accuracy: score.accuracy,
+        macro_f1: score.macro_f1,
+    };
+    ValidationRecord {
+        n_folds: validation.n_folds,
+        n_rounds: validation.n_rounds,
+        temperature: validation.temperature,
+        log_loss: validation.log_loss,
+        orders: orders.into_iter().map(order).collect(),
+    }
+}
