@@ -28,6 +28,7 @@ use placegraph::grid::{Cell, Grid, MapFrame, Occupancy, OccupancyGrid};
 
 use crate::dice::Dice;
 use crate::scene::Scene;
+use crate::truth::Truth;
 use crate::warp::Warp;
 
 pub use files::{FilesError, files};
@@ -142,17 +143,56 @@ pub fn generate(style: Style, seed: u64, index: u64, options: &Options) -> Build
     if mapping != Mapping::Slam {
         empty(&mut plan, mapping, &mut dice);
     }
-    let margin_m = if mapping == Mapping::Slam && !plan.panes.is_empty() { 6.0 } else { 1.0 };
-    let mut scene = Scene::paint(&plan, &warp, cell_m / f64::from(per_cell), margin_m);
+    let mut attempt = 0;
+    loop {
+        let fine_m = cell_m / f64::from(per_cell);
+        let (scene, cells) = map_of(&plan, &warp, mapping, fine_m, per_cell, &mut dice);
+        let map = cropped(cells, &scene, cell_m, &mut dice);
+        let Truth { labels, rooms, graph } = truth::look_up(&plan, &warp, &scene, &map.cells, &map.frame);
+        attempt += 1;
+        if attempt == ATTEMPTS || is_worth_keeping(&plan, &labels, &graph, cell_m) {
+            return Building { style, mapping, map, labels, rooms, graph, plan };
+        }
+        open_all(&mut plan);
+    }
+}
+
+/// Times that a robot starts out before its map is taken as it is.
+const ATTEMPTS: usize = 4;
+
+/// The scene that stands there for a map, and the cells of the map over the same ground.
+fn map_of(
+    plan: &Plan,
+    warp: &Warp,
+    mapping: Mapping,
+    fine_m: f64,
+    per_cell: u32,
+    dice: &mut Dice,
+) -> (Scene, Grid<Occupancy>) {
+    let margin_m = if mapping == Mapping::Slam && !plan.panes.is_empty() { 3.5 } else { 1.0 };
+    let mut scene = Scene::paint(plan, warp, fine_m, margin_m);
     let cells = if mapping == Mapping::Slam {
-        scene.plant_outside(&mut dice);
-        mapper::explore(&plan, &scene, cell_m, &mut dice)
+        scene.plant_outside(dice);
+        mapper::explore(plan, &scene, fine_m * f64::from(per_cell), dice)
     } else {
-        drawing::draw(&scene, per_cell, &mut dice)
+        drawing::draw(&scene, per_cell, dice)
     };
-    let map = cropped(cells, &scene, cell_m, &mut dice);
-    let truth = truth::look_up(&plan, &warp, &scene, &map.cells, &map.frame);
-    Building { style, mapping, map, labels: truth.labels, rooms: truth.rooms, graph: truth.graph, plan }
+    (scene, cells)
+}
+
+/// Whether the robot came far enough: it saw a third of the floor, and a few doors.
+fn is_worth_keeping(plan: &Plan, labels: &Grid<u8>, graph: &Graph, cell_m: f64) -> bool {
+    let known = labels.values().iter().filter(|&&label| label == CORRIDOR || label == ROOM).count();
+    let floor_m2: f64 = plan.tiles.iter().map(|tile| tile.inner.area()).sum();
+    graph.edges.len() >= 2 && known as f64 * cell_m * cell_m > 0.35 * floor_m2
+}
+
+/// Opens all closed doors.
+fn open_all(plan: &mut Plan) {
+    for opening in plan.openings.iter_mut().filter(|opening| opening.closed) {
+        opening.leaves.clear();
+        opening.closed = false;
+    }
 }
 
 /// Takes out what a drawing does not show.
@@ -160,12 +200,9 @@ fn empty(plan: &mut Plan, mapping: Mapping, dice: &mut Dice) {
     if mapping == Mapping::Clean {
         plan.furniture.clear();
     }
-    let shows_leaves = dice.chance(0.25);
-    for opening in &mut plan.openings {
-        if opening.closed || !shows_leaves {
-            opening.leaves.clear();
-        }
-        opening.closed = false;
+    open_all(plan);
+    if !dice.chance(0.25) {
+        plan.openings.iter_mut().for_each(|opening| opening.leaves.clear());
     }
 }
 

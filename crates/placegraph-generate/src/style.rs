@@ -128,7 +128,7 @@ impl Recipe {
             inner_doors: 0.15,
             baths: 0.04,
             halls: 0.14,
-            voids: 0.14,
+            voids: 0.07,
             rooms: OFFICE_ROOMS,
         };
         match style {
@@ -143,7 +143,7 @@ impl Recipe {
                 inner_doors: 0.1,
                 baths: 0.05,
                 halls: 0.0,
-                voids: 0.1,
+                voids: 0.06,
                 rooms: HOME_ROOMS,
             },
             Style::Hospital => Self {
