@@ -23,6 +23,8 @@ mod tour;
 mod truth;
 mod warp;
 
+use std::str::FromStr;
+
 use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, Grid, MapFrame, Occupancy, OccupancyGrid};
 
@@ -34,7 +36,7 @@ use crate::warp::Warp;
 pub use files::{FilesError, files};
 pub use plan::{Opening, OpeningKind, Plan, Space, Tile, Usage};
 pub use shape::{Axis, Rect, Solid};
-pub use style::Style;
+pub use style::{NameError, Style};
 pub use truth::{AMBIGUOUS, CORRIDOR, DOORWAY, Edge, Graph, Node, ROOM};
 
 /// How the map of a building comes about.
@@ -63,6 +65,13 @@ impl Mapping {
             Self::Furnished => "furnished",
             Self::Mixed => "mixed",
         }
+    }
+}
+
+impl FromStr for Mapping {
+    type Err = NameError;
+    fn from_str(name: &str) -> Result<Self, NameError> {
+        style::by_name(&Self::ALL, Self::name, name)
     }
 }
 
@@ -141,13 +150,17 @@ pub fn generate(style: Style, seed: u64, index: u64, options: &Options) -> Build
     assert!((0.02..=0.2).contains(&cell_m), "expected a resolution of 0.02 to 0.2 m, found {cell_m}");
     let per_cell = (cell_m / 0.026).ceil() as u32;
     if mapping != Mapping::Slam {
-        empty(&mut plan, mapping, &mut dice);
+        open_all(&mut plan);
+        plan.openings.iter_mut().for_each(|opening| opening.leaves.clear());
+        if mapping == Mapping::Clean {
+            plan.furniture.clear();
+        }
     }
     let mut attempt = 0;
     loop {
         let fine_m = cell_m / f64::from(per_cell);
         let (scene, cells) = map_of(&plan, &warp, mapping, fine_m, per_cell, &mut dice);
-        let map = cropped(cells, &scene, cell_m, &mut dice);
+        let map = cropped(&cells, &scene, cell_m, &mut dice);
         let Truth { labels, rooms, graph } = truth::look_up(&plan, &warp, &scene, &map.cells, &map.frame);
         attempt += 1;
         if attempt == ATTEMPTS || is_worth_keeping(&plan, &labels, &graph, cell_m) {
@@ -195,19 +208,8 @@ fn open_all(plan: &mut Plan) {
     }
 }
 
-/// Takes out what a drawing does not show.
-fn empty(plan: &mut Plan, mapping: Mapping, dice: &mut Dice) {
-    if mapping == Mapping::Clean {
-        plan.furniture.clear();
-    }
-    open_all(plan);
-    if !dice.chance(0.25) {
-        plan.openings.iter_mut().for_each(|opening| opening.leaves.clear());
-    }
-}
-
 /// The map with unknown margins of some width, placed somewhere in the map frame.
-fn cropped(cells: Grid<Occupancy>, scene: &Scene, cell_m: f64, dice: &mut Dice) -> OccupancyGrid {
+fn cropped(cells: &Grid<Occupancy>, scene: &Scene, cell_m: f64, dice: &mut Dice) -> OccupancyGrid {
     let margin = (dice.pick(&[0.1, 0.5, 2.0, 6.0]) * dice.between(0.5, 1.5) / cell_m).ceil() as i64;
     let (mut min, mut max) = ((i64::MAX, i64::MAX), (0, 0));
     for cell in cells.cells().filter(|&cell| cells[cell] != Occupancy::Unknown) {

@@ -3,6 +3,7 @@
 use placegraph_generate::{Mapping, Options, Style, files, generate};
 use rayon::prelude::*;
 
+#[expect(clippy::unwrap_used, reason = "a failure is a failed test")]
 fn bytes(threads: usize, seed: u64) -> Vec<Vec<u8>> {
     let options = Options { mapping: Mapping::Mixed, resolution_m: Some(0.1) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
