@@ -142,9 +142,10 @@ fn along_walls(usage: Usage, area: f64) -> Vec<(Draw, f64)> {
         Usage::Corridor => vec![(pieces::corridor_item, area / 45.0)],
         Usage::Cubicle => vec![(pieces::desk, 1.3)],
         Usage::Office => vec![
-            (pieces::desk, (area / 8.0).min(5.0)),
-            (pieces::cabinet, (area / 7.0).min(5.0)),
-            (pieces::bookshelf, 0.2),
+            (pieces::desk, (area / 7.0).min(6.0)),
+            (pieces::cabinet, (area / 5.0).min(7.0)),
+            (pieces::bookshelf, 0.4),
+            (pieces::clutter, area / 6.0),
         ],
         Usage::OpenPlan => vec![(pieces::cabinet, area / 14.0), (pieces::desk, area / 16.0)],
         Usage::Meeting => vec![(pieces::cabinet, area / 25.0)],
