@@ -1,25 +1,27 @@
-//! Writes a series of buildings: `buildings STYLE MAPPING COUNT SEED DIRECTORY`.
+//! Writes a series of buildings: `buildings STYLE MAPPING COUNT SEED DIRECTORY [RESOLUTION]`.
 
-use std::{env, fs, path::Path};
+use std::error::Error;
+use std::path::Path;
+use std::{env, fs};
 
-use placegraph_generate::{Mapping, Options, Style, files, generate};
+use placegraph_generate::{Options, Style, files, generate};
 use rayon::prelude::*;
 
-fn main() {
+fn main() -> Result<(), Box<dyn Error + Send + Sync>> {
     let arguments: Vec<String> = env::args().skip(1).collect();
-    let [style, mapping, count, seed, directory] = arguments.as_slice() else {
-        panic!("expected STYLE MAPPING COUNT SEED DIRECTORY");
+    let [style, mapping, count, seed, directory, resolution @ ..] = arguments.as_slice() else {
+        return Err("expected STYLE MAPPING COUNT SEED DIRECTORY [RESOLUTION]".into());
     };
-    let style = Style::ALL.into_iter().find(|other| other.name() == style).expect("a style");
-    let mapping = Mapping::ALL.into_iter().find(|other| other.name() == mapping).expect("a mapping");
-    let options = Options { mapping, resolution_m: None };
-    let seed = seed.parse().expect("a seed");
-    (0..count.parse().expect("a count")).into_par_iter().for_each(|index: u64| {
+    let (style, seed): (Style, u64) = (style.parse()?, seed.parse()?);
+    let resolution_m = resolution.first().map(|text| text.parse()).transpose()?;
+    let options = Options { mapping: mapping.parse()?, resolution_m };
+    (0..count.parse::<u64>()?).into_par_iter().try_for_each(|index| {
         let building = generate(style, seed, index, &options);
         let folder = Path::new(directory).join(format!("{}_{seed}_{index:03}", style.name()));
-        fs::create_dir_all(&folder).expect("a folder");
-        for (name, bytes) in files(&building).expect("bytes") {
-            fs::write(folder.join(name), bytes).expect("a file");
+        fs::create_dir_all(&folder)?;
+        for (name, bytes) in files(&building)? {
+            fs::write(folder.join(name), bytes)?;
         }
-    });
+        Ok(())
+    })
 }

@@ -28,13 +28,13 @@ pub(crate) fn draw(scene: &Scene, per_cell: u32, dice: &mut Dice) -> Grid<Occupa
         }
     }
     if dice.chance(0.6) {
-        hollow_out(&mut map, (0.25 / (scene.cell_m * f64::from(per_cell))).ceil() as i32);
+        hollow_out(&mut map, scene, per_cell, (0.25 / (scene.cell_m * f64::from(per_cell))).ceil() as i32);
     }
     map
 }
 
-/// Makes occupied cells unknown that are more than `reach` cells from all free ones.
-fn hollow_out(map: &mut Grid<Occupancy>, reach: i32) {
+/// Makes cells of walls unknown that are more than `reach` cells from all free ones.
+fn hollow_out(map: &mut Grid<Occupancy>, scene: &Scene, per_cell: u32, reach: i32) {
     let mut near_free = map.map(|_| false);
     for cell in map.cells().filter(|&cell| map[cell] == Occupancy::Free) {
         let inside = (1..map.width() - 1).contains(&cell.x) && (1..map.height() - 1).contains(&cell.y);
@@ -50,9 +50,13 @@ fn hollow_out(map: &mut Grid<Occupancy>, reach: i32) {
             }
         }
     }
-    for (value, near) in map.values_mut().iter_mut().zip(near_free.values()) {
-        if *value == Occupancy::Occupied && !near {
-            *value = Occupancy::Unknown;
+    for cell in near_free.cells().filter(|&cell| !near_free[cell]) {
+        let fine = Cell::new(
+            (cell.x * per_cell).min(scene.surface.width() - 1),
+            (cell.y * per_cell).min(scene.surface.height() - 1),
+        );
+        if map[cell] == Occupancy::Occupied && scene.surface[fine] != Surface::Furniture {
+            map[cell] = Occupancy::Unknown;
         }
     }
 }

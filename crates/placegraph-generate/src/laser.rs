@@ -25,7 +25,7 @@ pub(crate) struct Laser {
     people: f64,
 }
 
-/// One beam: where it points in the world, and what it measured.
+/// One beam: where it points in the world, and what it measured, if anything was in reach.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Beam {
     pub(crate) toward: Vec2,
@@ -49,8 +49,8 @@ impl Laser {
             range_m: dice.pick(&[5.6, 8.0, 8.0, 12.0, 20.0, 30.0, 30.0]),
             sigma_m: dice.between(0.004, 0.025),
             dropouts: dice.between(0.0, 0.02),
-            mixed: dice.between(0.0, 0.012),
-            transparency: dice.between(0.3, 0.95),
+            mixed: dice.between(0.0, 0.006),
+            transparency: dice.pick(&[0.05, 0.2, 0.5, 0.9]),
             people: dice.pick(&[0.0, 0.03, 0.12]),
         }
     }
@@ -73,12 +73,15 @@ impl Laser {
         }
         self.beams
             .iter()
-            .map(|beam| {
+            .filter_map(|beam| {
+                if dice.chance(self.dropouts) {
+                    return None;
+                }
                 let toward = Vec2::new(
                     forward.x * beam.x - forward.y * beam.y,
                     forward.x * beam.y + forward.y * beam.x,
                 );
-                Beam { toward, range_m: self.measure(scene, at, toward, &people, dice) }
+                Some(Beam { toward, range_m: self.measure(scene, at, toward, &people, dice) })
             })
             .collect()
     }
@@ -91,9 +94,6 @@ impl Laser {
         people: &[Person],
         dice: &mut Dice,
     ) -> Option<f64> {
-        if dice.chance(self.dropouts) {
-            return None;
-        }
         let mut range = self.cast(scene, at, toward, dice);
         for person in people {
             if let Some(nearer) = person.hit(at, toward).filter(|&t| range.is_none_or(|range| t < range)) {
@@ -102,10 +102,9 @@ impl Laser {
         }
         let range = range?;
         if dice.chance(self.mixed) {
-            return Some(range + dice.between(-0.05, 0.6).min(self.range_m - range));
+            return Some((range + dice.between(-0.4, 0.2)).clamp(0.02, self.range_m));
         }
-        let noisy = range + self.sigma_m * dice.normal();
-        (noisy > 0.02 && noisy < self.range_m).then_some(noisy)
+        Some((range + self.sigma_m * dice.normal()).clamp(0.02, self.range_m))
     }
 
     /// Distance to the first surface that does not let the beam pass.

@@ -23,17 +23,20 @@ mod tour;
 mod truth;
 mod warp;
 
+use std::str::FromStr;
+
 use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, Grid, MapFrame, Occupancy, OccupancyGrid};
 
 use crate::dice::Dice;
 use crate::scene::Scene;
+use crate::truth::Truth;
 use crate::warp::Warp;
 
 pub use files::{FilesError, files};
 pub use plan::{Opening, OpeningKind, Plan, Space, Tile, Usage};
 pub use shape::{Axis, Rect, Solid};
-pub use style::Style;
+pub use style::{NameError, Style};
 pub use truth::{AMBIGUOUS, CORRIDOR, DOORWAY, Edge, Graph, Node, ROOM};
 
 /// How the map of a building comes about.
@@ -62,6 +65,13 @@ impl Mapping {
             Self::Furnished => "furnished",
             Self::Mixed => "mixed",
         }
+    }
+}
+
+impl FromStr for Mapping {
+    type Err = NameError;
+    fn from_str(name: &str) -> Result<Self, NameError> {
+        style::by_name(&Self::ALL, Self::name, name)
     }
 }
 
@@ -140,37 +150,66 @@ pub fn generate(style: Style, seed: u64, index: u64, options: &Options) -> Build
     assert!((0.02..=0.2).contains(&cell_m), "expected a resolution of 0.02 to 0.2 m, found {cell_m}");
     let per_cell = (cell_m / 0.026).ceil() as u32;
     if mapping != Mapping::Slam {
-        empty(&mut plan, mapping, &mut dice);
+        open_all(&mut plan);
+        plan.openings.iter_mut().for_each(|opening| opening.leaves.clear());
+        if mapping == Mapping::Clean {
+            plan.furniture.clear();
+        }
     }
-    let margin_m = if mapping == Mapping::Slam && !plan.panes.is_empty() { 6.0 } else { 1.0 };
-    let mut scene = Scene::paint(&plan, &warp, cell_m / f64::from(per_cell), margin_m);
-    let cells = if mapping == Mapping::Slam {
-        scene.plant_outside(&mut dice);
-        mapper::explore(&plan, &scene, cell_m, &mut dice)
-    } else {
-        drawing::draw(&scene, per_cell, &mut dice)
-    };
-    let map = cropped(cells, &scene, cell_m, &mut dice);
-    let truth = truth::look_up(&plan, &warp, &scene, &map.cells, &map.frame);
-    Building { style, mapping, map, labels: truth.labels, rooms: truth.rooms, graph: truth.graph, plan }
+    let mut attempt = 0;
+    loop {
+        let fine_m = cell_m / f64::from(per_cell);
+        let (scene, cells) = map_of(&plan, &warp, mapping, fine_m, per_cell, &mut dice);
+        let map = cropped(&cells, &scene, cell_m, &mut dice);
+        let Truth { labels, rooms, graph } = truth::look_up(&plan, &warp, &scene, &map.cells, &map.frame);
+        attempt += 1;
+        if attempt == ATTEMPTS || is_worth_keeping(&plan, &labels, &graph, cell_m) {
+            return Building { style, mapping, map, labels, rooms, graph, plan };
+        }
+        open_all(&mut plan);
+    }
 }
 
-/// Takes out what a drawing does not show.
-fn empty(plan: &mut Plan, mapping: Mapping, dice: &mut Dice) {
-    if mapping == Mapping::Clean {
-        plan.furniture.clear();
-    }
-    let shows_leaves = dice.chance(0.25);
-    for opening in &mut plan.openings {
-        if opening.closed || !shows_leaves {
-            opening.leaves.clear();
-        }
+/// Times that a robot starts out before its map is taken as it is.
+const ATTEMPTS: usize = 4;
+
+/// The scene that stands there for a map, and the cells of the map over the same ground.
+fn map_of(
+    plan: &Plan,
+    warp: &Warp,
+    mapping: Mapping,
+    fine_m: f64,
+    per_cell: u32,
+    dice: &mut Dice,
+) -> (Scene, Grid<Occupancy>) {
+    let margin_m = if mapping == Mapping::Slam && !plan.panes.is_empty() { 3.5 } else { 1.0 };
+    let mut scene = Scene::paint(plan, warp, fine_m, margin_m);
+    let cells = if mapping == Mapping::Slam {
+        scene.plant_outside(dice);
+        mapper::explore(plan, &scene, fine_m * f64::from(per_cell), dice)
+    } else {
+        drawing::draw(&scene, per_cell, dice)
+    };
+    (scene, cells)
+}
+
+/// Whether the robot came far enough: it saw a third of the floor, and a few doors.
+fn is_worth_keeping(plan: &Plan, labels: &Grid<u8>, graph: &Graph, cell_m: f64) -> bool {
+    let known = labels.values().iter().filter(|&&label| label == CORRIDOR || label == ROOM).count();
+    let floor_m2: f64 = plan.tiles.iter().map(|tile| tile.inner.area()).sum();
+    graph.edges.len() >= 2 && known as f64 * cell_m * cell_m > 0.35 * floor_m2
+}
+
+/// Opens all closed doors.
+fn open_all(plan: &mut Plan) {
+    for opening in plan.openings.iter_mut().filter(|opening| opening.closed) {
+        opening.leaves.clear();
         opening.closed = false;
     }
 }
 
 /// The map with unknown margins of some width, placed somewhere in the map frame.
-fn cropped(cells: Grid<Occupancy>, scene: &Scene, cell_m: f64, dice: &mut Dice) -> OccupancyGrid {
+fn cropped(cells: &Grid<Occupancy>, scene: &Scene, cell_m: f64, dice: &mut Dice) -> OccupancyGrid {
     let margin = (dice.pick(&[0.1, 0.5, 2.0, 6.0]) * dice.between(0.5, 1.5) / cell_m).ceil() as i64;
     let (mut min, mut max) = ((i64::MAX, i64::MAX), (0, 0));
     for cell in cells.cells().filter(|&cell| cells[cell] != Occupancy::Unknown) {

@@ -26,6 +26,8 @@ struct Mapper {
     clears_m: f64,
     /// Beams are used up to here.
     used_m: f64,
+    /// A hit counts in this many more cells behind it, which makes walls thick.
+    thickness_cells: f64,
     /// Occupied from this share of hits on.
     threshold: f64,
     /// Unknown below this number of beams.
@@ -51,7 +53,8 @@ impl Mapper {
             jitter_rad: care * 0.003,
             clears_m: if dice.chance(0.3) { dice.between(2.0, 8.0).min(laser.range_m) } else { 0.0 },
             used_m: dice.pick(&[laser.range_m, laser.range_m, laser.range_m.min(12.0)]),
-            threshold: dice.between(0.12, 0.4),
+            thickness_cells: dice.between(0.0, 0.09) / cell_m,
+            threshold: dice.between(0.1, 0.35),
             fewest: if cell_m > 0.04 { dice.pick(&[1, 1, 2, 3]) } else { 1 },
         }
     }
@@ -133,15 +136,18 @@ impl Counts {
                 None => continue,
             };
             let length = length_m / self.cell_m;
+            let behind = if is_hit { mapper.thickness_cells } else { 0.0 };
+            // The cell that holds the end point, and those behind it, count as hit.
             let end = from + toward * length;
-            let (end_x, end_y) = (end.x.floor(), end.y.floor());
-            walk(from, toward, length, (width, height), |x, y, _| {
+            let mut has_ended = false;
+            walk(from, toward, length + behind, (width, height), |x, y, _| {
                 let index = y as usize * width as usize + x as usize;
-                if is_hit && f64::from(x) == end_x && f64::from(y) == end_y {
+                has_ended |= is_hit && x == end.x as u32 && y == end.y as u32;
+                if has_ended {
                     hits[index] += 1;
-                    return false;
+                } else {
+                    passes[index] += 1;
                 }
-                passes[index] += 1;
                 true
             });
         }

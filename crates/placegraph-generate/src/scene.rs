@@ -121,7 +121,7 @@ impl Scene {
 
     /// Scatters things outside that stop the rays that leave through glass.
     pub(crate) fn plant_outside(&mut self, dice: &mut Dice) {
-        let n = dice.count(10, 60);
+        let n = dice.count(20, 150);
         for _ in 0..n {
             let (width, height) = (self.surface.width() as usize, self.surface.height() as usize);
             let at = self.center(Cell::new(dice.below(width) as u32, dice.below(height) as u32));

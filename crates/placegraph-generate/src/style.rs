@@ -1,5 +1,7 @@
 //! The kinds of buildings, and their dimensions (`docs/generated-buildings.md` names the standards).
 
+use std::str::FromStr;
+
 use crate::plan::Usage;
 
 /// A kind of building.
@@ -37,6 +39,31 @@ impl Style {
             Self::Warehouse => "warehouse",
             Self::Mixed => "mixed",
         }
+    }
+}
+
+/// A name that no style or mapping has.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected one of {expected}, found {found:?}")]
+pub struct NameError {
+    /// The names there are.
+    pub expected: String,
+    /// The name given.
+    pub found: String,
+}
+
+/// The one of `all` that is called `found`.
+pub(crate) fn by_name<T: Copy>(all: &[T], name: fn(T) -> &'static str, found: &str) -> Result<T, NameError> {
+    all.iter().copied().find(|&one| name(one) == found).ok_or_else(|| NameError {
+        expected: all.iter().map(|&one| name(one)).collect::<Vec<_>>().join(", "),
+        found: found.to_owned(),
+    })
+}
+
+impl FromStr for Style {
+    type Err = NameError;
+    fn from_str(name: &str) -> Result<Self, NameError> {
+        by_name(&Self::ALL, Self::name, name)
     }
 }
 
@@ -128,7 +155,7 @@ impl Recipe {
             inner_doors: 0.15,
             baths: 0.04,
             halls: 0.14,
-            voids: 0.14,
+            voids: 0.07,
             rooms: OFFICE_ROOMS,
         };
         match style {
@@ -143,7 +170,7 @@ impl Recipe {
                 inner_doors: 0.1,
                 baths: 0.05,
                 halls: 0.0,
-                voids: 0.1,
+                voids: 0.06,
                 rooms: HOME_ROOMS,
             },
             Style::Hospital => Self {

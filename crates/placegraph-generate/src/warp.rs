@@ -1,5 +1,7 @@
 //! How the straight floor plan lies in the world: sheared, bent along its length and turned.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
+
 use placegraph::geom::{Point2, Vec2};
 
 use crate::dice::Dice;
@@ -27,11 +29,11 @@ pub(crate) struct Warp {
 impl Warp {
     /// A warp for a plan that fills `bounds`.
     pub(crate) fn draw(bounds: &Rect, dice: &mut Dice) -> Self {
-        let quarter = std::f64::consts::FRAC_PI_2 * dice.below(4) as f64;
+        let quarter = FRAC_PI_2 * dice.below(4) as f64;
         let turn = match dice.below(20) {
             0..9 => 0.0,
             9..15 => dice.normal() * 0.03,
-            _ => dice.between(-0.7854, 0.7854),
+            _ => dice.between(-FRAC_PI_4, FRAC_PI_4),
         };
         let shear = if dice.chance(0.08) { dice.between(-0.3, 0.3) } else { dice.normal() * 0.004 };
         let length_m = bounds.width();

@@ -3,11 +3,12 @@
 use placegraph_generate::{Mapping, Options, Style, files, generate};
 use rayon::prelude::*;
 
+#[expect(clippy::unwrap_used, reason = "a failure is a failed test")]
 fn bytes(threads: usize, seed: u64) -> Vec<Vec<u8>> {
     let options = Options { mapping: Mapping::Mixed, resolution_m: Some(0.1) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
-        (0..8_u64)
+        (0..6_u64)
             .into_par_iter()
             .map(|index| {
                 let building = generate(Style::Mixed, seed, index, &options);

@@ -11,8 +11,8 @@ use pieces::Piece;
 
 /// Fills all rooms of `plan`.
 pub(crate) fn furnish(plan: &mut Plan, dice: &mut Dice) {
-    let clutter = dice.pick(&[0.0, 0.15, 0.4, 0.7]);
-    let fill = dice.between(0.5, 1.0);
+    let clutter = dice.pick(&[0.0, 0.2, 0.5, 1.0]);
+    let fill = dice.between(0.5, 1.3);
     let mut furniture = Vec::new();
     for space in 0..plan.spaces.len() {
         let tiles = plan.tiles.iter().filter(|tile| tile.space == space);
@@ -23,9 +23,14 @@ pub(crate) fn furnish(plan: &mut Plan, dice: &mut Dice) {
         }
         furnish_room(&mut room, plan.spaces[space].usage, fill, dice);
         if plan.spaces[space].usage != Usage::Corridor {
-            let n = (clutter * room.floor.area() * dice.between(0.0, 0.35)) as usize;
+            let n = (clutter * room.floor.area() * dice.between(0.0, 0.7)) as usize;
             for _ in 0..n.min(25) {
-                room.place_anywhere(&pieces::clutter(dice), dice);
+                let piece = pieces::clutter(dice);
+                if dice.chance(0.5) {
+                    room.place_at_wall(&piece, dice);
+                } else {
+                    room.place_anywhere(&piece, dice);
+                }
             }
         }
         furniture.append(&mut room.furniture);
@@ -137,9 +142,10 @@ fn along_walls(usage: Usage, area: f64) -> Vec<(Draw, f64)> {
         Usage::Corridor => vec![(pieces::corridor_item, area / 45.0)],
         Usage::Cubicle => vec![(pieces::desk, 1.3)],
         Usage::Office => vec![
-            (pieces::desk, (area / 8.0).min(5.0)),
-            (pieces::cabinet, (area / 7.0).min(5.0)),
-            (pieces::bookshelf, 0.2),
+            (pieces::desk, (area / 7.0).min(6.0)),
+            (pieces::cabinet, (area / 5.0).min(7.0)),
+            (pieces::bookshelf, 0.4),
+            (pieces::clutter, area / 6.0),
         ],
         Usage::OpenPlan => vec![(pieces::cabinet, area / 14.0), (pieces::desk, area / 16.0)],
         Usage::Meeting => vec![(pieces::cabinet, area / 25.0)],

@@ -169,11 +169,10 @@ fn place_room(
     if dice.chance(0.03) {
         return;
     }
-    if dice.chance(0.04) && hi - lo < 7.0 {
-        if let Some(corridor) = corridor_beside(plan, slot, side) {
-            extend(plan, corridor, side.layer(slot, 0.0, depth * dice.between(0.3, 1.0)));
-            return;
-        }
+    let alcove = dice.chance(0.04) && hi - lo < 7.0;
+    if let Some(corridor) = corridor_beside(plan, slot, side).filter(|_| alcove) {
+        extend(plan, corridor, side.layer(slot, 0.0, depth * dice.between(0.3, 1.0)));
+        return;
     }
     let depth = if stepped && dice.chance(0.4) { depth - dice.between(0.0, 0.3) * depth } else { depth };
     let room = side.layer(slot, 0.0, depth);
@@ -193,11 +192,12 @@ fn with_bath(plan: &mut Plan, room: &Rect, side: Side, usage: Usage, dice: &mut 
     let (lo, hi) = room.span(side.wall());
     let entrance = side.layer(room, 0.0, dice.between(1.7, 2.6));
     let bath = dice.between(1.5, (hi - lo - 1.2).clamp(1.6, 2.5));
-    let split = if dice.chance(0.5) { lo + bath } else { hi - bath };
+    let is_near = dice.chance(0.5);
+    let split = if is_near { lo + bath } else { hi - bath };
     let depth = entrance.span(across(side.wall()));
     let (near, far) =
         (Rect::along(side.wall(), (lo, split), depth), Rect::along(side.wall(), (split, hi), depth));
-    let (bath, vestibule) = if split == lo + bath { (near, far) } else { (far, near) };
+    let (bath, vestibule) = if is_near { (near, far) } else { (far, near) };
     let space = add(plan, usage, vestibule);
     let (from, to) = room.span(across(side.wall()));
     extend(plan, space, side.layer(room, depth.1 - depth.0, to - from));

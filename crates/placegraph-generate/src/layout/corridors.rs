@@ -24,11 +24,14 @@ struct Weave {
 
 /// Fills `plan` with corridors and the blocks of rooms between them.
 pub(super) fn blocks_on_corridors(plan: &mut Plan, recipe: &Recipe, dice: &mut Dice) {
-    let n_columns = dice.count(1, recipe.blocks[0]);
-    let n_rows = dice.count(if n_columns == 1 { 2 } else { 1 }, recipe.blocks[1].max(2));
-    let columns = bands(n_columns, recipe, dice);
-    let rows = bands(n_rows, recipe, dice);
-    let mut weave = Weave::new(columns, rows);
+    let mut weave = loop {
+        let n_columns = dice.count(1, recipe.blocks[0]);
+        let n_rows = dice.count(if n_columns == 1 { 2 } else { 1 }, recipe.blocks[1].max(2));
+        let weave = Weave::new(bands(n_columns, recipe, dice), bands(n_rows, recipe, dice));
+        if weave.hangs_together() {
+            break weave;
+        }
+    };
     let thinning = dice.pick(&[0.0, 0.3, 0.7]);
     weave.thin_out(thinning, dice);
 

@@ -25,12 +25,19 @@ pub(crate) fn lay_out(style: Style, dice: &mut Dice) -> Plan {
         corridors::add_fire_doors(&mut plan, dice);
         walls::build(&mut plan, style, dice);
         openings::connect(&mut plan, style, &recipe, dice);
-        if (3..250).contains(&plan.spaces.len()) {
+        if (3..250).contains(&plan.spaces.len()) && corridor_share(&plan) < 0.42 {
             walls::glaze(&mut plan, style, dice);
             walls::add_fixtures(&mut plan, dice);
             return plan;
         }
     }
+}
+
+/// Share of the floor that is corridor.
+fn corridor_share(plan: &Plan) -> f64 {
+    let area = |tiles: &mut dyn Iterator<Item = &Tile>| tiles.map(|tile| tile.inner.area()).sum::<f64>();
+    let corridors = area(&mut plan.tiles.iter().filter(|tile| plan.spaces[tile.space].is_corridor()));
+    corridors / area(&mut plan.tiles.iter())
 }
 
 /// A large hall; along one side rooms, often behind a corridor.

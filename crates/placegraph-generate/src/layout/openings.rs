@@ -129,8 +129,9 @@ fn add_opening(plan: &mut Plan, contact: &Contact, doors: &Doors, dice: &mut Dic
             continue;
         }
         if !passage && !dice.chance(doors.bare) {
+            opening.closed = !between_corridors && dice.chance(doors.closed);
             hang_leaves(&mut opening, plan, contact, doors, dice);
-        } else if !passage && dice.chance(0.5 * doors.closed) {
+        } else if !passage && !between_corridors && dice.chance(0.5 * doors.closed) {
             opening.closed = true;
             opening.leaves.push(Solid::rect(middle_of(&opening)));
         }
@@ -156,7 +157,6 @@ fn middle_of(opening: &Opening) -> Rect {
 
 /// Hangs one or two leaves, mostly into the room, mostly open.
 fn hang_leaves(opening: &mut Opening, plan: &Plan, contact: &Contact, doors: &Doors, dice: &mut Dice) {
-    opening.closed = dice.chance(doors.closed);
     let width = opening.width_m();
     let n_leaves = if width > 1.25 { 2 } else { 1 };
     let hinge_first = dice.chance(0.5);

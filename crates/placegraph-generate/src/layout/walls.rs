@@ -68,12 +68,14 @@ fn neighbors(plan: &Plan, index: usize, run: Axis, at_far_end: bool) -> Vec<(usi
 
 /// Puts panes of glass into outer walls, and into walls between corridors and rooms.
 pub(super) fn glaze(plan: &mut Plan, style: Style, dice: &mut Dice) {
-    let windows = dice.pick(&[0.0, 0.0, 0.15, 0.4, 0.8]);
+    let windows = dice.pick(&[0.0, 0.0, 0.0, 0.06, 0.15, 0.4]);
     let glass_fronts =
         if matches!(style, Style::Office | Style::School) { dice.pick(&[0.0, 0.0, 0.08, 0.3]) } else { 0.0 };
     for index in 0..plan.tiles.len() {
         for (run, at_far_end) in AXES.into_iter().flat_map(|run| [(run, false), (run, true)]) {
-            if neighbors(plan, index, run, at_far_end).is_empty() && dice.chance(windows) {
+            let share =
+                if plan.spaces[plan.tiles[index].space].is_corridor() { 0.4 * windows } else { windows };
+            if neighbors(plan, index, run, at_far_end).is_empty() && dice.chance(share) {
                 let tile = &plan.tiles[index];
                 let (near, far) = tile.inner.span(run);
                 let face = if at_far_end {
@@ -99,8 +101,11 @@ pub(super) fn glaze(plan: &mut Plan, style: Style, dice: &mut Dice) {
 fn add_panes(plan: &mut Plan, wall: Axis, (lo, hi): (f64, f64), face: (f64, f64), dice: &mut Dice) {
     let (pane, post) = (dice.between(0.7, 2.0), dice.between(0.05, 0.6));
     let mut at = lo + dice.between(0.1, 0.5);
+    let missing = dice.between(0.0, 0.8);
     while at + pane < hi - 0.1 {
-        plan.panes.push(Rect::along(wall, (at, at + pane), face));
+        if !dice.chance(missing) {
+            plan.panes.push(Rect::along(wall, (at, at + pane), face));
+        }
         at += pane + post;
     }
 }
