@@ -34,6 +34,8 @@ pub enum Command {
     Scan(ScanArgs),
     /// List the features
     Features(FeaturesArgs),
+    /// Make buildings with perfect labels, as a robot would map them
+    Generate(GenerateArgs),
 }
 
 /// How a map file is read.
@@ -195,6 +197,55 @@ pub enum ListFormat {
     Text,
     /// The documentation page
     Md,
+}
+
+#[derive(Debug, Args)]
+pub struct GenerateArgs {
+    /// Kind of building
+    #[arg(long, value_enum, default_value_t = StyleArg::Mixed)]
+    pub style: StyleArg,
+    /// Number of buildings
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub count: u64,
+    /// Same seed, same buildings
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    pub seed: u64,
+    /// Index of the first building
+    #[arg(long, value_name = "I", default_value_t = 0)]
+    pub first: u64,
+    /// How the maps come about
+    #[arg(long, value_enum, default_value_t = MappingArg::Mixed)]
+    pub mapping: MappingArg,
+    /// Meters per cell, 0.02 to 0.2 [default: drawn per building]
+    #[arg(long, value_name = "METERS")]
+    pub resolution: Option<f64>,
+    /// Folder for the buildings, a folder each
+    #[arg(short, long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum StyleArg {
+    Office,
+    Home,
+    Hospital,
+    Hotel,
+    School,
+    Warehouse,
+    /// Any of them
+    Mixed,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MappingArg {
+    /// A robot drives through and maps what its laser sees
+    Slam,
+    /// A drawing without furniture
+    Clean,
+    /// A drawing with furniture
+    Furnished,
+    /// Any of them, most often the robot
+    Mixed,
 }
 
 /// Pixels of an image, y down, upper bounds exclusive.

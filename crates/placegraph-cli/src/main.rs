@@ -1,2 +1,56 @@
-//! The program.
-fn main() {}
+//! The program `placegraph`: arguments, library calls, files.
+
+mod args;
+mod commands;
+mod manifest;
+mod model;
+mod output;
+mod progress;
+mod read;
+
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use clap::Parser;
+
+use crate::args::{Cli, Command};
+use crate::commands::{Outcome, evaluate, features, generate, info, map, scan, train};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    match run(&cli) {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::CheckFailed) => ExitCode::from(1),
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            output::complain(&format!("error: {error:#}"));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(cli: &Cli) -> Result<Outcome> {
+    if let Some(threads) = cli.threads {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build_global()
+            .context("could not start the threads")?;
+    }
+    match &cli.command {
+        Command::Map(args) => map::run(args, cli.verbose),
+        Command::Info(args) => info::run(args),
+        Command::Train(args) => train::run(args, cli.verbose),
+        Command::Evaluate(args) => evaluate::run(args),
+        Command::Scan(args) => scan::run(args),
+        Command::Features(args) => features::run(args),
+        Command::Generate(args) => generate::run(args),
+    }
+}
+
+/// Whoever reads our output may stop reading: `placegraph features | head -1`.
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
+        .any(|cause| cause.kind() == std::io::ErrorKind::BrokenPipe)
+}

@@ -31,6 +31,7 @@ pub mod grid;
 pub mod import;
 pub mod labels;
 pub mod model;
+pub mod pipeline;
 pub mod progress;
 pub mod regions;
 pub mod relax;

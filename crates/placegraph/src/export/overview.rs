@@ -62,7 +62,7 @@ pub fn overview_png(
 }
 
 /// Draws `svg` over `pixmap`.
-fn draw(svg: &str, pixmap: &mut Pixmap) {
+pub(super) fn draw(svg: &str, pixmap: &mut Pixmap) {
     let mut options = usvg::Options { font_family: "DejaVu Sans".to_owned(), ..usvg::Options::default() };
     for font in FONT_FILES {
         options.fontdb_mut().load_font_data(font.to_vec());
@@ -73,7 +73,7 @@ fn draw(svg: &str, pixmap: &mut Pixmap) {
 }
 
 /// An opaque picture as PNG.
-fn encode(pixmap: &Pixmap) -> Vec<u8> {
+pub(super) fn encode(pixmap: &Pixmap) -> Vec<u8> {
     let rgb: Vec<u8> = pixmap.data().chunks_exact(4).flat_map(|rgba| [rgba[0], rgba[1], rgba[2]]).collect();
     let mut png = Vec::new();
     let encoder = PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Up);

@@ -135,6 +135,18 @@ pub fn read_labels(
     Ok(flipped(size, &cells))
 }
 
+/// Largest image whose size is asked for.
+const MAX_PIXELS: u64 = 400_000_000;
+
+/// Width and height of an image of at most 400 million pixels.
+///
+/// # Errors
+/// If the bytes are no image of a kind that is read, or it is damaged or larger.
+pub fn image_size(bytes: &[u8]) -> Result<(u32, u32), LabelImageError> {
+    let raster = image::decode(bytes, MAX_PIXELS)?;
+    Ok((raster.width, raster.height))
+}
+
 /// Reads a room image (gray, 8 or 16 bits): an id per cell, 0 in no room; row 0 of the result is the image's
 /// bottom row.
 ///

@@ -21,5 +21,5 @@ mod shape;
 pub use check::{MapCheck, Shares, check};
 pub use error::MapError;
 pub use finding::{Finding, Severity};
-pub use labels::{LabelCell, LabelCoding, LabelImageError, read_labels, read_rooms};
+pub use labels::{LabelCell, LabelCoding, LabelImageError, image_size, read_labels, read_rooms};
 pub use load::{Format, Gray205, ImageFolder, LoadedMap, ReadOptions, Source, load_map, read_image};

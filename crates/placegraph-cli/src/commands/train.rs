@@ -1,0 +1,161 @@
+//! `placegraph train`: labeled maps to a model file.
+
+use std::fmt::Write;
+use std::fs;
+
+use anyhow::{Context, Result, bail};
+use placegraph::grid::{Cell, OccupancyGrid};
+use placegraph::import::{self, LabelCell, LabelCoding};
+use placegraph::labels::LabelSet;
+use placegraph::training::{Choice, LabeledMap, TrainConfig, Trained, TrainingReport, Window, train};
+
+use super::Outcome;
+use crate::args::{CropArg, TrainArgs};
+use crate::manifest::{Manifest, MapEntry, Paint};
+use crate::output::{complain, print, print_json, write_file};
+use crate::progress::Watch;
+use crate::read;
+
+/// Features that the report names.
+const BEST_FEATURES: usize = 12;
+
+/// Trains and writes a model, and tells how it went.
+pub fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
+    let (entries, label_set, coding) = what_to_train_on(args)?;
+    let maps = entries.iter().map(|entry| labeled_map(entry, &coding, args)).collect::<Result<Vec<_>>>()?;
+    let config = config(args);
+    let watch = Watch::start("training");
+    let trained = train(&maps, &label_set, &config, &watch)?;
+    let timings = watch.finish();
+    write_file(&args.output, &trained.model.to_json())?;
+    if verbose {
+        for (stage, time) in timings {
+            complain(&format!("{:<10} {:>8.1} ms", stage.name(), time.as_secs_f64() * 1e3));
+        }
+    }
+    if args.json {
+        print_json(&trained.model.record)?;
+    } else {
+        print(&report(&trained, &label_set))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn what_to_train_on(args: &TrainArgs) -> Result<(Vec<MapEntry>, LabelSet, LabelCoding)> {
+    if let Some(path) = &args.manifest {
+        let manifest = Manifest::read(path)?;
+        let (label_set, paints) = manifest.classes()?;
+        let coding = coding(&label_set, &paints);
+        return Ok((manifest.map, label_set, coding));
+    }
+    let (Some(map), Some(labels)) = (&args.map, &args.labels) else {
+        bail!("expected a training file, or --map with --labels");
+    };
+    let crop = args.crop.map(|CropArg { x0, y0, x1, y1 }| [x0, y0, x1, y1]);
+    let entry = MapEntry { map: map.clone(), labels: labels.clone(), crop };
+    let label_set = LabelSet::default();
+    let coding = LabelCoding::of(&label_set);
+    Ok((vec![entry], label_set, coding))
+}
+
+/// What the pixels of label images mean.
+fn coding(label_set: &LabelSet, paints: &[Paint]) -> LabelCoding {
+    let mut entries = vec![([0; 3], LabelCell::None), ([255; 3], LabelCell::Ignore)];
+    for (label, paint) in label_set.labels().zip(paints) {
+        let pixel = match *paint {
+            Paint::Gray(value) => [value; 3],
+            Paint::Color(color) => color,
+        };
+        entries.push((pixel, LabelCell::Class(label)));
+    }
+    LabelCoding::new(entries)
+}
+
+fn labeled_map(entry: &MapEntry, coding: &LabelCoding, args: &TrainArgs) -> Result<LabeledMap> {
+    let map = read::map(&entry.map, &args.read)?;
+    let size = (map.grid.cells.width(), map.grid.cells.height());
+    let in_labels = || format!("in the labels {}", entry.labels.display());
+    let bytes = fs::read(&entry.labels).with_context(in_labels)?;
+    let labels = import::read_labels(&bytes, size, coding).with_context(in_labels)?;
+    let window = entry.crop.map(|crop| window(crop, &map.grid)).transpose().with_context(|| map.name.clone())?;
+    Ok(LabeledMap {
+        name: map.name,
+        grid: map.grid,
+        labels: labels.map(|cell| match cell {
+            LabelCell::Class(label) => Some(*label),
+            LabelCell::None | LabelCell::Ignore => None,
+        }),
+        window,
+    })
+}
+
+/// Pixels, y down, to cells, y up.
+fn window([x0, y0, x1, y1]: [u32; 4], map: &OccupancyGrid) -> Result<Window> {
+    let (width, height) = (map.cells.width(), map.cells.height());
+    if x0 >= x1 || y0 >= y1 || x1 > width || y1 > height {
+        bail!("expected a crop x0,y0,x1,y1 inside {width} x {height} pixels, found {x0},{y0},{x1},{y1}");
+    }
+    Ok(Window { min: Cell::new(x0, height - y1), end: Cell::new(x1, height - y0) })
+}
+
+fn config(args: &TrainArgs) -> TrainConfig {
+    let mut config = if args.chapter { TrainConfig::chapter() } else { TrainConfig::default() };
+    if let Some(rounds) = args.rounds {
+        config.rounds = Choice::Set(rounds);
+    }
+    if let Some(temperature) = args.temperature {
+        config.temperature = Choice::Set(temperature);
+    }
+    if let Some(scales) = &args.scales {
+        config.scales.clone_from(scales);
+    }
+    config
+}
+
+fn report(trained: &Trained, label_set: &LabelSet) -> String {
+    let TrainingReport { n_examples, validation, training_error, votes } = &trained.report;
+    let mut text = String::new();
+    let classes = || label_set.classes().iter().map(|class| class.name.as_str());
+    let examples: Vec<String> = classes().zip(n_examples).map(|(name, n)| format!("{n} {name}")).collect();
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "examples: {}", examples.join(", "));
+    let _ = writeln!(text, "wrong on the training cells: {:.2} %", training_error * 100.0);
+    if let Some(validation) = validation {
+        let _ = writeln!(
+            text,
+            "held out in {} parts: {} rounds, temperature {}, mean -ln p {:.4}",
+            validation.n_folds, validation.n_rounds, validation.temperature, validation.log_loss
+        );
+        let _ = writeln!(text, "orders of the decision list, on held-out cells:");
+        for order in &validation.orders {
+            let names: Vec<&str> = order.order.iter().map(|&label| label_set.class(label).name.as_str()).collect();
+            let _ = writeln!(
+                text,
+                "  {:6.2} %  macro-F1 {:.3}  {}",
+                order.accuracy * 100.0,
+                order.macro_f1,
+                names.join("-")
+            );
+        }
+    }
+    let _ = writeln!(text, "features that say most (sum of alpha per class):");
+    for vote in votes.iter().take(BEST_FEATURES) {
+        let alphas: Vec<String> =
+            classes().zip(&vote.alpha).map(|(name, alpha)| format!("{name} {alpha:.2}")).collect();
+        let _ = writeln!(text, "  {:<8} {}", vote.feature.feature().name, alphas.join("  "));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_crop_counts_rows_from_the_top() {
+        let map = OccupancyGrid::from_ascii(1.0, "..\n..\n..");
+        let window = window([0, 0, 2, 1], &map).unwrap();
+        assert!(window.contains(Cell::new(0, 2)) && !window.contains(Cell::new(0, 1)));
+        assert!(super::window([0, 0, 3, 1], &map).is_err());
+    }
+}
