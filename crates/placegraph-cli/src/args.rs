@@ -8,20 +8,20 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 /// From an occupancy grid map to corridors, rooms, doorways and how they connect.
 #[derive(Debug, Parser)]
 #[command(name = "placegraph", version, about, arg_required_else_help = true)]
-pub struct Cli {
+pub(crate) struct Cli {
     /// What to do.
     #[command(subcommand)]
-    pub command: Command,
+    pub(crate) command: Command,
     /// Threads to work with [default: all cores]; the result does not depend on it
     #[arg(long, global = true, value_name = "N")]
-    pub threads: Option<usize>,
+    pub(crate) threads: Option<usize>,
     /// Tell how long each stage took
     #[arg(short, long, global = true)]
-    pub verbose: bool,
+    pub(crate) verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub(crate) enum Command {
     /// Label a map: places, doorways and how they connect
     Map(MapArgs),
     /// Check a map before it is labeled
@@ -40,26 +40,26 @@ pub enum Command {
 
 /// How a map file is read.
 #[derive(Debug, Args)]
-pub struct ReadArgs {
+pub(crate) struct ReadArgs {
     /// Meters per pixel of a map that is an image without a YAML file
     #[arg(long, value_name = "METERS")]
-    pub resolution: Option<f64>,
+    pub(crate) resolution: Option<f64>,
     /// Whose reading of the YAML file to follow
     #[arg(long, value_enum, default_value_t = RulesArg::Nav2)]
-    pub rules: RulesArg,
+    pub(crate) rules: RulesArg,
     /// Read gray 205 as the file's thresholds say, even where they turn unexplored space free
     #[arg(long)]
-    pub trust_thresholds: bool,
+    pub(crate) trust_thresholds: bool,
     /// Read an image that lies outside of the YAML file's folder
     #[arg(long)]
-    pub allow_outside: bool,
+    pub(crate) allow_outside: bool,
     /// Refuse maps with more cells than this
     #[arg(long, value_name = "N", default_value_t = 400_000_000)]
-    pub max_cells: u64,
+    pub(crate) max_cells: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum RulesArg {
+pub(crate) enum RulesArg {
     /// Navigation 2
     Nav2,
     /// ROS 1 map_server
@@ -67,132 +67,132 @@ pub enum RulesArg {
 }
 
 #[derive(Debug, Args)]
-pub struct MapArgs {
+pub(crate) struct MapArgs {
     /// Maps: map_server YAML, image (with --resolution) or CARMEN map
     #[arg(required = true, value_name = "MAP")]
-    pub maps: Vec<PathBuf>,
+    pub(crate) maps: Vec<PathBuf>,
     /// Folder for the results; several maps get a folder each in it
     #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub(crate) out: PathBuf,
     /// Model to label with [default: the one inside the program]
     #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
+    pub(crate) model: Option<PathBuf>,
     /// Also write the labels after classification and after smoothing
     #[arg(long)]
-    pub stages: bool,
+    pub(crate) stages: bool,
     /// Also write the probabilities of all classes, as a NumPy array
     #[arg(long)]
-    pub probabilities: bool,
+    pub(crate) probabilities: bool,
     /// Leave small regions and doorways that join nothing as they are
     #[arg(long)]
-    pub no_correction: bool,
+    pub(crate) no_correction: bool,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub(crate) read: ReadArgs,
 }
 
 #[derive(Debug, Args)]
-pub struct InfoArgs {
+pub(crate) struct InfoArgs {
     /// The map
     #[arg(value_name = "MAP")]
-    pub map: PathBuf,
+    pub(crate) map: PathBuf,
     /// Print JSON
     #[arg(long)]
-    pub json: bool,
+    pub(crate) json: bool,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub(crate) read: ReadArgs,
 }
 
 #[derive(Debug, Args)]
-pub struct TrainArgs {
+pub(crate) struct TrainArgs {
     /// Training file: `[[map]]` tables with `map`, `labels`, optional `crop`; optional `[classes]`
     #[arg(value_name = "TRAINING.toml", required_unless_present = "map", conflicts_with_all = ["map", "labels", "crop"])]
-    pub manifest: Option<PathBuf>,
+    pub(crate) manifest: Option<PathBuf>,
     /// Train from this one map
     #[arg(long, requires = "labels", value_name = "MAP")]
-    pub map: Option<PathBuf>,
+    pub(crate) map: Option<PathBuf>,
     /// Labels of that map: 0 none, k class k, 255 ignore
     #[arg(long, requires = "map", value_name = "IMAGE")]
-    pub labels: Option<PathBuf>,
+    pub(crate) labels: Option<PathBuf>,
     /// Use only these pixels of it, y down, upper bounds exclusive; scans still see the whole map
     #[arg(long, requires = "map", value_name = "X0,Y0,X1,Y1")]
-    pub crop: Option<CropArg>,
+    pub(crate) crop: Option<CropArg>,
     /// Where to write the model
     #[arg(short, long, value_name = "MODEL")]
-    pub output: PathBuf,
+    pub(crate) output: PathBuf,
     /// The chapter's own setting: 100 rounds, temperature 1, one scale
     #[arg(long, conflicts_with_all = ["rounds", "temperature", "scales"])]
-    pub chapter: bool,
+    pub(crate) chapter: bool,
     /// Boosting rounds [default: chosen by cross-validation]
     #[arg(long, value_name = "T")]
-    pub rounds: Option<usize>,
+    pub(crate) rounds: Option<usize>,
     /// Temperature of the confidences [default: chosen by cross-validation]
     #[arg(long, value_name = "TAU")]
-    pub temperature: Option<f64>,
+    pub(crate) temperature: Option<f64>,
     /// Train on the building at these scales
     #[arg(long, value_delimiter = ',', value_name = "S,...")]
-    pub scales: Option<Vec<f64>>,
+    pub(crate) scales: Option<Vec<f64>>,
     /// Print the report as JSON
     #[arg(long)]
-    pub json: bool,
+    pub(crate) json: bool,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub(crate) read: ReadArgs,
 }
 
 #[derive(Debug, Args)]
-pub struct EvaluateArgs {
+pub(crate) struct EvaluateArgs {
     /// Label image to judge
     #[arg(value_name = "PREDICTION")]
-    pub prediction: PathBuf,
+    pub(crate) prediction: PathBuf,
     /// The truth: 0 none, k class k, 255 ignore
     #[arg(value_name = "LABELS")]
-    pub labels: PathBuf,
+    pub(crate) labels: PathBuf,
     /// Judge only these pixels, y down, upper bounds exclusive
     #[arg(long, value_name = "X0,Y0,X1,Y1")]
-    pub crop: Option<CropArg>,
+    pub(crate) crop: Option<CropArg>,
     /// True rooms: an image of room numbers, 0 none
     #[arg(long, requires = "regions", value_name = "IMAGE")]
-    pub rooms: Option<PathBuf>,
+    pub(crate) rooms: Option<PathBuf>,
     /// Found regions: an image of region numbers, 0 none
     #[arg(long, requires = "rooms", value_name = "IMAGE")]
-    pub regions: Option<PathBuf>,
+    pub(crate) regions: Option<PathBuf>,
     /// Take the classes from this model [default: corridor, room, doorway]
     #[arg(long, value_name = "FILE")]
-    pub model: Option<PathBuf>,
+    pub(crate) model: Option<PathBuf>,
     /// Exit with status 1 where the cell accuracy is below this share
     #[arg(long, value_name = "SHARE")]
-    pub min_accuracy: Option<f64>,
+    pub(crate) min_accuracy: Option<f64>,
     /// Print JSON
     #[arg(long)]
-    pub json: bool,
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]
-pub struct ScanArgs {
+pub(crate) struct ScanArgs {
     /// The map
     #[arg(value_name = "MAP")]
-    pub map: PathBuf,
+    pub(crate) map: PathBuf,
     /// Position of the scan in meters of the map frame
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
-    pub at: PointArg,
+    pub(crate) at: PointArg,
     /// Also draw the scan into this PNG file
     #[arg(short, long, value_name = "PNG")]
-    pub output: Option<PathBuf>,
+    pub(crate) output: Option<PathBuf>,
     /// Print JSON
     #[arg(long)]
-    pub json: bool,
+    pub(crate) json: bool,
     #[command(flatten)]
-    pub read: ReadArgs,
+    pub(crate) read: ReadArgs,
 }
 
 #[derive(Debug, Args)]
-pub struct FeaturesArgs {
+pub(crate) struct FeaturesArgs {
     /// How to list them
     #[arg(long, value_enum, default_value_t = ListFormat::Text)]
-    pub format: ListFormat,
+    pub(crate) format: ListFormat,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum ListFormat {
+pub(crate) enum ListFormat {
     /// A line each
     Text,
     /// The documentation page
@@ -200,32 +200,32 @@ pub enum ListFormat {
 }
 
 #[derive(Debug, Args)]
-pub struct GenerateArgs {
+pub(crate) struct GenerateArgs {
     /// Kind of building
     #[arg(long, value_enum, default_value_t = StyleArg::Mixed)]
-    pub style: StyleArg,
+    pub(crate) style: StyleArg,
     /// Number of buildings
     #[arg(long, value_name = "N", default_value_t = 1)]
-    pub count: u64,
+    pub(crate) count: u64,
     /// Same seed, same buildings
     #[arg(long, value_name = "S", default_value_t = 1)]
-    pub seed: u64,
+    pub(crate) seed: u64,
     /// Index of the first building
     #[arg(long, value_name = "I", default_value_t = 0)]
-    pub first: u64,
+    pub(crate) first: u64,
     /// How the maps come about
     #[arg(long, value_enum, default_value_t = MappingArg::Mixed)]
-    pub mapping: MappingArg,
+    pub(crate) mapping: MappingArg,
     /// Meters per cell, 0.02 to 0.2 [default: drawn per building]
     #[arg(long, value_name = "METERS")]
-    pub resolution: Option<f64>,
+    pub(crate) resolution: Option<f64>,
     /// Folder for the buildings, a folder each
     #[arg(short, long, value_name = "DIR")]
-    pub out: PathBuf,
+    pub(crate) out: PathBuf,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum StyleArg {
+pub(crate) enum StyleArg {
     Office,
     Home,
     Hospital,
@@ -237,7 +237,7 @@ pub enum StyleArg {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum MappingArg {
+pub(crate) enum MappingArg {
     /// A robot drives through and maps what its laser sees
     Slam,
     /// A drawing without furniture
@@ -250,15 +250,15 @@ pub enum MappingArg {
 
 /// Pixels of an image, y down, upper bounds exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct CropArg {
+pub(crate) struct CropArg {
     /// First column.
-    pub x0: u32,
+    pub(crate) x0: u32,
     /// First row from the top.
-    pub y0: u32,
+    pub(crate) y0: u32,
     /// One past the last column.
-    pub x1: u32,
+    pub(crate) x1: u32,
     /// One past the last row.
-    pub y1: u32,
+    pub(crate) y1: u32,
 }
 
 impl FromStr for CropArg {
@@ -274,11 +274,11 @@ impl FromStr for CropArg {
 
 /// A point in meters of the map frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointArg {
+pub(crate) struct PointArg {
     /// First coordinate.
-    pub x: f64,
+    pub(crate) x: f64,
     /// Second coordinate.
-    pub y: f64,
+    pub(crate) y: f64,
 }
 
 impl FromStr for PointArg {

@@ -21,9 +21,9 @@ use serde::Deserialize;
 /// ```
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Manifest {
+pub(crate) struct Manifest {
     /// The labeled maps. Paths are relative to the training file.
-    pub map: Vec<MapEntry>,
+    pub(crate) map: Vec<MapEntry>,
     #[serde(default)]
     classes: toml::Table,
 }
@@ -31,13 +31,13 @@ pub struct Manifest {
 /// One labeled map.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MapEntry {
+pub(crate) struct MapEntry {
     /// The map.
-    pub map: PathBuf,
+    pub(crate) map: PathBuf,
     /// Its labels.
-    pub labels: PathBuf,
+    pub(crate) labels: PathBuf,
     /// The pixels to train on: x0, y0, x1, y1.
-    pub crop: Option<[u32; 4]>,
+    pub(crate) crop: Option<[u32; 4]>,
 }
 
 /// How a class of one's own is written.
@@ -51,7 +51,7 @@ struct ClassEntry {
 
 /// Which pixel of a label image means a class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Paint {
+pub(crate) enum Paint {
     /// A gray value.
     Gray(u8),
     /// A color.
@@ -72,7 +72,7 @@ const PALETTE: [[u8; 3]; LabelSet::MAX] = [
 
 impl Manifest {
     /// Reads a training file; its paths come back relative to where it lies.
-    pub fn read(path: &Path) -> Result<Self> {
+    pub(crate) fn read(path: &Path) -> Result<Self> {
         let text = std::fs::read_to_string(path)
             .with_context(|| format!("could not read the training file {}", path.display()))?;
         let mut manifest = Self::parse(&text).with_context(|| format!("in {}", path.display()))?;
@@ -93,7 +93,7 @@ impl Manifest {
     }
 
     /// The classes in the order written, and what paints each in label images.
-    pub fn classes(&self) -> Result<(LabelSet, Vec<Paint>)> {
+    pub(crate) fn classes(&self) -> Result<(LabelSet, Vec<Paint>)> {
         if self.classes.is_empty() {
             let set = LabelSet::default();
             let paints = (1..=set.len() as u8).map(Paint::Gray).collect();

@@ -11,27 +11,28 @@ const EMBEDDED: &[u8] = include_bytes!("../assets/default.model.json");
 
 /// A model and what to call it.
 #[derive(Debug)]
-pub struct NamedModel {
+pub(crate) struct NamedModel {
     /// The model.
-    pub model: Model,
+    pub(crate) model: Model,
     name: String,
 }
 
 impl NamedModel {
     /// The model in `path`, or the one inside the program.
-    pub fn load(path: Option<&Path>) -> Result<Self> {
+    pub(crate) fn load(path: Option<&Path>) -> Result<Self> {
         let Some(path) = path else {
             let model = Model::from_json(EMBEDDED).context("the model inside the program")?;
             return Ok(Self { model, name: "default".to_owned() });
         };
-        let bytes = std::fs::read(path).with_context(|| format!("could not read the model {}", path.display()))?;
+        let bytes =
+            std::fs::read(path).with_context(|| format!("could not read the model {}", path.display()))?;
         let model = Model::from_json(&bytes).with_context(|| format!("in {}", path.display()))?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(Self { model, name })
     }
 
     /// What results say of the model.
-    pub fn info(&self) -> ModelInfo {
+    pub(crate) fn info(&self) -> ModelInfo {
         ModelInfo { name: self.name.clone(), hash: self.model.hash() }
     }
 }

@@ -38,7 +38,10 @@ impl OutputSet {
 
     fn check_names(&self, folder: &Path) -> Result<()> {
         for (index, (name, _)) in self.files.iter().enumerate() {
-            ensure!(Path::new(name).file_name() == Some(name.as_ref()), "expected a plain file name, found {name:?}");
+            ensure!(
+                Path::new(name).file_name() == Some(name.as_ref()),
+                "expected a plain file name, found {name:?}"
+            );
             ensure!(
                 self.files[..index].iter().all(|(earlier, _)| earlier != name),
                 "two outputs would be written to {name}"
@@ -76,7 +79,8 @@ impl OutputSet {
 
 /// Writes one file completely or not at all.
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> Result<()> {
-    let name = path.file_name().with_context(|| format!("expected the path of a file, found {}", path.display()))?;
+    let name =
+        path.file_name().with_context(|| format!("expected the path of a file, found {}", path.display()))?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut files = OutputSet::default();
     files.add(name.to_string_lossy(), bytes);

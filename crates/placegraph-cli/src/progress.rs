@@ -12,7 +12,7 @@ const SHOW_AFTER: Duration = Duration::from_secs(1);
 
 /// A progress bar and a stopwatch: the library has neither.
 #[derive(Debug)]
-pub struct Watch {
+pub(crate) struct Watch {
     state: Mutex<State>,
     bar: ProgressBar,
     started: Instant,
@@ -26,7 +26,7 @@ struct State {
 
 impl Watch {
     /// A stopwatch that starts now. `what` is named in front of the bar.
-    pub fn start(what: &str) -> Self {
+    pub(crate) fn start(what: &str) -> Self {
         let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::hidden());
         if let Ok(style) = ProgressStyle::with_template("{prefix} {msg:<10} {bar:40} {percent:>3} %") {
             bar.set_style(style);
@@ -36,7 +36,7 @@ impl Watch {
     }
 
     /// Ends the stage that runs and tells how long each took, in order.
-    pub fn finish(&self) -> Vec<(Stage, Duration)> {
+    pub(crate) fn finish(&self) -> Vec<(Stage, Duration)> {
         let mut state = self.lock();
         state.end_stage();
         self.bar.finish_and_clear();

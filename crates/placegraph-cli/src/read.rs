@@ -8,7 +8,7 @@ use placegraph::import::{self, Gray205, ImageFolder, LoadedMap, ReadOptions, ros
 use crate::args::{ReadArgs, RulesArg};
 
 /// The reader's options that the arguments ask for.
-pub fn options(args: &ReadArgs) -> ReadOptions {
+pub(crate) fn options(args: &ReadArgs) -> ReadOptions {
     ReadOptions {
         resolution_m: args.resolution,
         rules: match args.rules {
@@ -23,6 +23,6 @@ pub fn options(args: &ReadArgs) -> ReadOptions {
 }
 
 /// Reads the map at `path`.
-pub fn map(path: &Path, args: &ReadArgs) -> Result<LoadedMap> {
+pub(crate) fn map(path: &Path, args: &ReadArgs) -> Result<LoadedMap> {
     Ok(import::load_map(path, &options(args))?)
 }

@@ -7,11 +7,11 @@ use placegraph::regions::RegionMap;
 /// region; the map is surrounded by such cells.
 pub fn squared_clearance(graph: &CellGraph, regions: &RegionMap, node: usize) -> i64 {
     let cell = graph.cells()[node];
-    let (width, height) = (graph.width() as i32, graph.height() as i32);
+    let (width, height) = (graph.width().cast_signed(), graph.height().cast_signed());
     let mut nearest = i64::MAX;
     for y in -1..=height {
         for x in -1..=width {
-            let step = (x - cell.x as i32, y - cell.y as i32);
+            let step = (x - cell.x.cast_signed(), y - cell.y.cast_signed());
             let other = graph.node_at_step(node, step);
             if other.is_none_or(|other| regions.region_of[other] != regions.region_of[node]) {
                 nearest = nearest.min((step.0 as i64).pow(2) + (step.1 as i64).pow(2));

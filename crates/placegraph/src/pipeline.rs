@@ -6,8 +6,8 @@ use crate::labels::{LabelField, Labeling};
 use crate::model::{Method, Model};
 use crate::progress::{Progress, Stage};
 use crate::regions::{DiagonalSteps, RegionMap, connected, correct};
-use crate::topology::{self, TopologicalMap};
 use crate::relax::relax;
+use crate::topology::{self, TopologicalMap};
 
 /// What of the pipeline is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

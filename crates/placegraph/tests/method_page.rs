@@ -30,8 +30,12 @@ fn every_equation_has_a_function_and_a_test() {
         let names: Vec<&str> = row.split('`').skip(1).step_by(2).collect();
         let [function, test] = names[..] else { panic!("expected a function and a test in {row}") };
         let name = function.rsplit("::").next().unwrap();
-        let defines = |name: &str| source.contains(&format!("fn {name}(")) || source.contains(&format!("fn {name}<"));
+        let defines =
+            |name: &str| source.contains(&format!("fn {name}(")) || source.contains(&format!("fn {name}<"));
         assert!(defines(name), "{function} of equation 4.{number} does not exist");
-        assert!(defines(test) || tests.contains(&format!("fn {test}(")), "{test} of equation 4.{number} does not exist");
+        assert!(
+            defines(test) || tests.contains(&format!("fn {test}(")),
+            "{test} of equation 4.{number} does not exist"
+        );
     }
 }

@@ -1,5 +1,7 @@
 //! The rules of Sect. 4.7 on drawn maps: letters are labels, `#` is a wall.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+
 use placegraph::grid::{CellGraph, Grid, Occupancy};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::regions::{Corrected, DiagonalSteps, Relabeled, Thresholds, connected, correct};

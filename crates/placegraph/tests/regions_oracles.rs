@@ -1,5 +1,7 @@
 //! Regions, contacts and corrections against flood fill, `imageproc` and starting over.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+
 use image::{GrayImage, Luma};
 use imageproc::region_labelling::{Connectivity, connected_components};
 use placegraph::geom::Pose2;

@@ -1,5 +1,7 @@
 //! `topology.json`: the same bytes after reading and writing, and what is refused.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+
 use placegraph::export::{MapInfo, TopologyDocument, TopologyError};
 use placegraph::geom::Pose2;
 use placegraph::grid::{CellGraph, MapFrame, OccupancyGrid};

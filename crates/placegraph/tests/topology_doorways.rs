@@ -1,5 +1,7 @@
 //! Widths of doorways drawn at any angle, with clean and with ragged walls.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+
 use placegraph::geom::{Point2, Pose2, Vec2};
 use placegraph::grid::{CellGraph, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Label, LabelField, LabelSet};

@@ -1,5 +1,7 @@
 //! Outlines against `geo`, anchors against looking at every cell, and the invariants of the map.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+
 use geo::{Area, Contains, Coord, LineString, Polygon, Validation};
 use placegraph::geom::{Point2, Pose2};
 use placegraph::grid::{CellGraph, Grid, MapFrame, Occupancy};
@@ -135,6 +137,20 @@ proptest! {
                     with.unwrap().contact_m
                 };
                 prop_assert!(doorway.sides.windows(2).all(|s| contact(s[0]) >= contact(s[1])));
+            }
+        }
+        for connection in &map.connections {
+            let anchor = |id| map.place(id).unwrap().anchor;
+            let path = &connection.path;
+            prop_assert!(path[0].distance(anchor(connection.a)) < 1e-9);
+            prop_assert!(path[path.len() - 1].distance(anchor(connection.b)) < 1e-9);
+            for line in path.windows(2) {
+                // Points on the way, but not the corners of cells.
+                for part in (0..=100).map(|part| (part as f64 + 0.317) / 101.0) {
+                    let cell = frame.cell_at(line[0] + (line[1] - line[0]) * part).unwrap();
+                    let region = regions.region_of[graph.node_at(cell).expect("a free cell")];
+                    prop_assert!([connection.a.0, connection.b.0].contains(&(region.0 + 1)));
+                }
             }
         }
         prop_assert!(map.connections.windows(2).all(|c| (c[0].a, c[0].b) < (c[1].a, c[1].b)));

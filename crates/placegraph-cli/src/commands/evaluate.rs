@@ -24,7 +24,7 @@ struct Report {
 }
 
 /// Compares, prints, and checks the accuracy asked for.
-pub fn run(args: &EvaluateArgs) -> Result<Outcome> {
+pub(crate) fn run(args: &EvaluateArgs) -> Result<Outcome> {
     let label_set = match &args.model {
         Some(path) => NamedModel::load(Some(path))?.model.label_set,
         None => LabelSet::default(),
@@ -56,7 +56,8 @@ pub fn run(args: &EvaluateArgs) -> Result<Outcome> {
             print(&format!("{rooms}\n"))?;
         }
     }
-    let enough = args.min_accuracy.is_none_or(|least| report.cells.accuracy.is_some_and(|found| found >= least));
+    let enough =
+        args.min_accuracy.is_none_or(|least| report.cells.accuracy.is_some_and(|found| found >= least));
     Ok(if enough { Outcome::Done } else { Outcome::CheckFailed })
 }
 
@@ -81,7 +82,10 @@ fn ids(path: &Path, size: (u32, u32)) -> Result<Grid<u32>> {
 /// Empties everything outside of `crop`.
 fn keep_only<T: Default>(crop: CropArg, grid: &mut Grid<T>) -> Result<()> {
     let (width, height) = (grid.width(), grid.height());
-    ensure!(crop.x1 <= width && crop.y1 <= height, "expected a crop inside {width} x {height} pixels, found {crop:?}");
+    ensure!(
+        crop.x1 <= width && crop.y1 <= height,
+        "expected a crop inside {width} x {height} pixels, found {crop:?}"
+    );
     let cells: Vec<_> = grid.cells().collect();
     for cell in cells {
         let row = height - 1 - cell.y;
@@ -93,7 +97,11 @@ fn keep_only<T: Default>(crop: CropArg, grid: &mut Grid<T>) -> Result<()> {
 }
 
 /// Regions as their image has them, each with the label that most of its cells have in `predicted`.
-fn region_map(ids: &Grid<u32>, predicted: &Grid<Option<Label>>, label_set: &LabelSet) -> (CellGraph, RegionMap) {
+fn region_map(
+    ids: &Grid<u32>,
+    predicted: &Grid<Option<Label>>,
+    label_set: &LabelSet,
+) -> (CellGraph, RegionMap) {
     let graph = CellGraph::new(&ids.map(|&id| if id == 0 { Occupancy::Unknown } else { Occupancy::Free }));
     let n_regions = ids.values().iter().copied().max().unwrap_or(0) as usize;
     let mut votes = vec![vec![0u32; label_set.len()]; n_regions];
@@ -111,6 +119,7 @@ fn region_map(ids: &Grid<u32>, predicted: &Grid<Option<Label>>, label_set: &Labe
         let most = votes.iter().max().copied().unwrap_or(0);
         Label(votes.iter().position(|&n| n == most).unwrap_or(0) as u8)
     };
-    let regions = votes.iter().map(label).zip(n_cells).map(|(label, n_cells)| Region { label, n_cells }).collect();
+    let regions =
+        votes.iter().map(label).zip(n_cells).map(|(label, n_cells)| Region { label, n_cells }).collect();
     (graph, RegionMap { region_of, regions, diagonal: DiagonalSteps::default() })
 }

@@ -8,7 +8,7 @@ use crate::args::{FeaturesArgs, ListFormat};
 use crate::output::print;
 
 /// Lists the features.
-pub fn run(args: &FeaturesArgs) -> Result<Outcome> {
+pub(crate) fn run(args: &FeaturesArgs) -> Result<Outcome> {
     match args.format {
         ListFormat::Md => print("")?,
         ListFormat::Text => {

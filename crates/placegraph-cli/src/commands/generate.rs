@@ -10,11 +10,15 @@ use crate::args::{GenerateArgs, MappingArg, StyleArg};
 use crate::output::{OutputSet, complain};
 
 /// Makes every building in a folder of its own.
-pub fn run(args: &GenerateArgs) -> Result<Outcome> {
+pub(crate) fn run(args: &GenerateArgs) -> Result<Outcome> {
     if let Some(resolution_m) = args.resolution {
-        ensure!((0.02..=0.2).contains(&resolution_m), "expected a resolution of 0.02 to 0.2, found {resolution_m}");
+        ensure!(
+            (0.02..=0.2).contains(&resolution_m),
+            "expected a resolution of 0.02 to 0.2, found {resolution_m}"
+        );
     }
-    let (style, options) = (style(args.style), Options { mapping: mapping(args.mapping), resolution_m: args.resolution });
+    let (style, options) =
+        (style(args.style), Options { mapping: mapping(args.mapping), resolution_m: args.resolution });
     let last = args.first.checked_add(args.count).context("expected an index that fits in 64 bits")?;
     let bar = ProgressBar::new(args.count);
     (args.first..last).into_par_iter().progress_with(bar).try_for_each(|index| {

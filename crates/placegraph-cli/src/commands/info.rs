@@ -9,7 +9,7 @@ use crate::output::{print, print_json};
 use crate::read;
 
 /// Tells what the map is and what to do about it.
-pub fn run(args: &InfoArgs) -> Result<Outcome> {
+pub(crate) fn run(args: &InfoArgs) -> Result<Outcome> {
     let map = read::map(&args.map, &args.read)?;
     let check = check(&map);
     if args.json {

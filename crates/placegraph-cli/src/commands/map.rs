@@ -18,7 +18,7 @@ use crate::progress::Watch;
 use crate::read;
 
 /// Labels every map; with several, one that fails does not stop the rest.
-pub fn run(args: &MapArgs, verbose: bool) -> Result<Outcome> {
+pub(crate) fn run(args: &MapArgs, verbose: bool) -> Result<Outcome> {
     let model = NamedModel::load(args.model.as_deref())?;
     let folders = output_folders(&args.maps, &args.out)?;
     if let ([map], [folder]) = (args.maps.as_slice(), folders.as_slice()) {
@@ -43,7 +43,8 @@ fn output_folders(maps: &[PathBuf], out: &Path) -> Result<Vec<PathBuf>> {
         return Ok(vec![out.to_owned()]);
     }
     let stem = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let parent = |path: &Path| path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+    let parent =
+        |path: &Path| path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
     let mut seen: BTreeMap<String, usize> = BTreeMap::new();
     for map in maps {
         *seen.entry(stem(map).context("expected the path of a map file")?).or_default() += 1;
@@ -74,7 +75,9 @@ fn label(path: &Path, folder: &Path, model: &NamedModel, args: &MapArgs, verbose
         complain(&format!("{}: {finding}", path.display()));
     }
     let watch = Watch::start(&map.name);
-    let config = pipeline::Config { correction: if args.no_correction { Correction::Skip } else { Correction::Apply } };
+    let config = pipeline::Config {
+        correction: if args.no_correction { Correction::Skip } else { Correction::Apply },
+    };
     let analysis = pipeline::analyze(&map.grid, &model.model, &config, &watch);
     let timings = watch.finish();
     let mut document = TopologyDocument::new(
@@ -118,7 +121,10 @@ fn files(
     files.add("regions.yaml", raster_yaml("regions.png", frame));
     files.add("topology.json", document.to_json()?);
     let label_set = &model.model.label_set;
-    files.add("overview.png", overview_png(&map.grid, &analysis.labeling, label_set, &analysis.topology, &map.name));
+    files.add(
+        "overview.png",
+        overview_png(&map.grid, &analysis.labeling, label_set, &analysis.topology, &map.name),
+    );
     Ok(files)
 }
 

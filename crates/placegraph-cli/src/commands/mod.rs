@@ -1,16 +1,16 @@
 //! One file a command.
 
-pub mod evaluate;
-pub mod features;
-pub mod generate;
-pub mod info;
-pub mod map;
-pub mod scan;
-pub mod train;
+pub(crate) mod evaluate;
+pub(crate) mod features;
+pub(crate) mod generate;
+pub(crate) mod info;
+pub(crate) mod map;
+pub(crate) mod scan;
+pub(crate) mod train;
 
 /// How a command ended that could do its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// All done.
     Done,
     /// Done, but a requested check failed, or some maps of several could not be labeled.

@@ -15,7 +15,7 @@ use crate::output::{print, print_json, write_file};
 use crate::read;
 
 /// Simulates the scan, prints it and its features, and draws it where asked.
-pub fn run(args: &ScanArgs) -> Result<Outcome> {
+pub(crate) fn run(args: &ScanArgs) -> Result<Outcome> {
     let map = read::map(&args.map, &args.read)?;
     let at = Point2::new(args.at.x, args.at.y);
     let cells = &map.grid.cells;
@@ -38,7 +38,8 @@ pub fn run(args: &ScanArgs) -> Result<Outcome> {
             named.map(|(name, value)| (name.clone(), json!(value))).collect();
         print_json(&json!({ "cell": [cell.x, cell.y], "ranges_m": scan.ranges_m(), "features": features }))?;
     } else {
-        let mut text = format!("scan from the center of cell ({}, {}), counted from the lower left\n", cell.x, cell.y);
+        let mut text =
+            format!("scan from the center of cell ({}, {}), counted from the lower left\n", cell.x, cell.y);
         for (beam, range) in scan.ranges_m().iter().enumerate().step_by(30) {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "  beam {beam:>3}  {range:>8.3} m");

@@ -20,7 +20,7 @@ use crate::read;
 const BEST_FEATURES: usize = 12;
 
 /// Trains and writes a model, and tells how it went.
-pub fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
+pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
     let (entries, label_set, coding) = what_to_train_on(args)?;
     let maps = entries.iter().map(|entry| labeled_map(entry, &coding, args)).collect::<Result<Vec<_>>>()?;
     let config = config(args);
@@ -77,7 +77,8 @@ fn labeled_map(entry: &MapEntry, coding: &LabelCoding, args: &TrainArgs) -> Resu
     let in_labels = || format!("in the labels {}", entry.labels.display());
     let bytes = fs::read(&entry.labels).with_context(in_labels)?;
     let labels = import::read_labels(&bytes, size, coding).with_context(in_labels)?;
-    let window = entry.crop.map(|crop| window(crop, &map.grid)).transpose().with_context(|| map.name.clone())?;
+    let window =
+        entry.crop.map(|crop| window(crop, &map.grid)).transpose().with_context(|| map.name.clone())?;
     Ok(LabeledMap {
         name: map.name,
         grid: map.grid,
@@ -128,7 +129,8 @@ fn report(trained: &Trained, label_set: &LabelSet) -> String {
         );
         let _ = writeln!(text, "orders of the decision list, on held-out cells:");
         for order in &validation.orders {
-            let names: Vec<&str> = order.order.iter().map(|&label| label_set.class(label).name.as_str()).collect();
+            let names: Vec<&str> =
+                order.order.iter().map(|&label| label_set.class(label).name.as_str()).collect();
             let _ = writeln!(
                 text,
                 "  {:6.2} %  macro-F1 {:.3}  {}",

@@ -87,40 +87,65 @@ pub(super) fn mixed(color: [u8; 3], other: [u8; 3], share: f64) -> [u8; 3] {
     std::array::from_fn(|i| (color[i] as f64 * (1.0 - share) + other[i] as f64 * share).round() as u8)
 }
 
-/// Paints the cells of `crop` into `rgba`, rows of `stride_px` pixels from the top, at the pixel `offset`.
+/// Where a picture of the map goes: rows of `stride_px` RGBA pixels from the top, the map at `offset`.
+pub(super) struct Canvas<'a> {
+    pub(super) rgba: &'a mut [u8],
+    pub(super) stride_px: usize,
+    pub(super) offset: (usize, usize),
+}
+
+/// Paints the cells of `crop`; `labeling` has the labels of the free cells in row-major order.
 pub(super) fn paint(
     grid: &OccupancyGrid,
     labeling: &[Label],
     label_set: &LabelSet,
     crop: &Crop,
-    rgba: &mut [u8],
-    stride_px: usize,
-    offset: (usize, usize),
+    canvas: Canvas<'_>,
 ) {
     let colors: Vec<[u8; 3]> = label_set.classes().iter().map(|class| pastel(class.color)).collect();
-    let mut sums: Vec<[u32; 4]> = vec![[0; 4]; (crop.width_px() * crop.height_px()) as usize];
-    let side = crop.px_per_cell.max(1.0) as usize;
     let mut labels = labeling.iter();
-    for (cell, occupancy) in grid.cells.cells().zip(grid.cells.values()) {
-        let (color, weight) = match occupancy {
-            // Labels are in the order of the free cells.
-            Occupancy::Free => (labels.next().map_or(PAPER, |label| colors[label.index()]), 1),
-            Occupancy::Occupied => (WALL, WALL_WEIGHT),
-            Occupancy::Unknown => continue,
-        };
+    let cells = grid.cells.cells().zip(grid.cells.values()).filter_map(|(cell, occupancy)| match occupancy {
+        Occupancy::Free => labels.next().map(|label| (cell, colors[label.index()], 1)),
+        Occupancy::Occupied => Some((cell, WALL, WALL_WEIGHT)),
+        Occupancy::Unknown => None,
+    });
+    if crop.px_per_cell < 1.0 {
+        paint_reduced(cells, crop, canvas);
+    } else {
+        paint_enlarged(cells, crop, canvas);
+    }
+}
+
+/// A square of pixels per cell.
+fn paint_enlarged(cells: impl Iterator<Item = (Cell, [u8; 3], u32)>, crop: &Crop, canvas: Canvas<'_>) {
+    let Canvas { rgba, stride_px, offset } = canvas;
+    let side = crop.px_per_cell as usize;
+    for (cell, [red, green, blue], _) in cells {
         let (x, y) = crop.pixel(cell);
         for row in y..y + side {
-            let start = row * crop.width_px() as usize + x;
-            for sum in &mut sums[start..start + side] {
-                for (channel, value) in sum.iter_mut().zip(color) {
-                    *channel += weight * value as u32;
-                }
-                sum[3] += weight;
+            let start = 4 * ((row + offset.1) * stride_px + x + offset.0);
+            for pixel in rgba[start..start + 4 * side].chunks_exact_mut(4) {
+                pixel.copy_from_slice(&[red, green, blue, 255]);
             }
         }
     }
-    for (y, row) in sums.chunks_exact(crop.width_px() as usize).enumerate() {
-        let start = ((y + offset.1) * stride_px + offset.0) * 4;
+}
+
+/// The weighted mean color of the cells that share a pixel.
+fn paint_reduced(cells: impl Iterator<Item = (Cell, [u8; 3], u32)>, crop: &Crop, canvas: Canvas<'_>) {
+    let Canvas { rgba, stride_px, offset } = canvas;
+    let width = crop.width_px() as usize;
+    let mut sums: Vec<[u32; 4]> = vec![[0; 4]; width * crop.height_px() as usize];
+    for (cell, color, weight) in cells {
+        let (x, y) = crop.pixel(cell);
+        let sum = &mut sums[y * width + x];
+        for (channel, value) in sum.iter_mut().zip(color) {
+            *channel += weight * value as u32;
+        }
+        sum[3] += weight;
+    }
+    for (y, row) in sums.chunks_exact(width).enumerate() {
+        let start = 4 * ((y + offset.1) * stride_px + offset.0);
         for (pixel, [red, green, blue, n]) in rgba[start..].chunks_exact_mut(4).zip(row) {
             if *n > 0 {
                 pixel.copy_from_slice(&[(red / n) as u8, (green / n) as u8, (blue / n) as u8, 255]);
@@ -159,7 +184,8 @@ mod tests {
         let grid = OccupancyGrid { frame: OccupancyGrid::from_ascii(0.05, ".").frame, cells };
         let crop = Crop::of_known(&grid);
         let mut rgba = vec![0; 4096 * 4];
-        paint(&grid, &[Label(0); 8191], &LabelSet::default(), &crop, &mut rgba, 4096, (0, 0));
+        let canvas = Canvas { rgba: &mut rgba, stride_px: 4096, offset: (0, 0) };
+        paint(&grid, &[Label(0); 8191], &LabelSet::default(), &crop, canvas);
         let free = pastel(LabelSet::default().classes()[0].color);
         assert_eq!(rgba[..3], free);
         assert_eq!(rgba[8] as u32, (4 * WALL[0] as u32 + free[0] as u32) / 5);

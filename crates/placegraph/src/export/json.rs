@@ -297,8 +297,8 @@ fn rounded_point(point: Point2) -> Point2 {
     Point2::new(rounded(point.x), rounded(point.y))
 }
 
-fn rounded_ring(ring: &[Point2]) -> Vec<Point2> {
-    ring.iter().map(|&point| rounded_point(point)).collect()
+fn rounded_points(points: &[Point2]) -> Vec<Point2> {
+    points.iter().map(|&point| rounded_point(point)).collect()
 }
 
 fn rounded_place(place: &Place) -> Place {
@@ -318,8 +318,8 @@ fn rounded_place(place: &Place) -> Place {
             .outline
             .iter()
             .map(|polygon| PolygonWithHoles {
-                exterior: rounded_ring(&polygon.exterior),
-                holes: polygon.holes.iter().map(|ring| rounded_ring(ring)).collect(),
+                exterior: rounded_points(&polygon.exterior),
+                holes: polygon.holes.iter().map(|ring| rounded_points(ring)).collect(),
             })
             .collect(),
         doorway: place.doorway.as_ref().map(|doorway| Doorway {
@@ -335,6 +335,7 @@ fn rounded_connection(connection: &Connection) -> Connection {
     Connection {
         contact_m: rounded(connection.contact_m),
         middle: rounded_point(connection.middle),
+        path: rounded_points(&connection.path),
         ..*connection
     }
 }

@@ -6,12 +6,15 @@ use super::canvas::mixed;
 use crate::geom::Point2;
 use crate::grid::MapFrame;
 use crate::labels::{LabelSet, Role};
-use crate::topology::{Connection, Place, TopologicalMap};
+use crate::topology::{Place, TopologicalMap};
 
 /// The fonts of all pictures; the first is embedded in the program.
 pub(super) const FONTS: &str = "DejaVu Sans Condensed, DejaVu Sans, Arial, sans-serif";
 /// Color of text and of the graph.
 pub(super) const INK: &str = "#232936";
+
+/// Places without connections are drawn from this area on, in m².
+const SPECK_M2: f64 = 1.0;
 
 /// How meters of the map frame become pixels, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,15 +50,15 @@ impl View {
 /// Cost: linear in outline points.
 pub fn overlay_svg(topology: &TopologicalMap, label_set: &LabelSet, view: &View) -> String {
     let mut svg = String::new();
-    for place in &topology.places {
+    let (doorways, others): (Vec<&Place>, Vec<&Place>) =
+        drawn_places(topology).into_iter().partition(|place| place.role == Role::Doorway);
+    for place in doorways.iter().chain(&others) {
         outline(&mut svg, place, label_set, view);
     }
-    for place in topology.places.iter().filter(|place| place.doorway.is_some()) {
+    for place in &doorways {
         jambs(&mut svg, place, label_set, view);
     }
     edges(&mut svg, topology, view);
-    let (doorways, others): (Vec<&Place>, Vec<&Place>) =
-        topology.places.iter().partition(|place| place.role == Role::Doorway);
     for place in doorways {
         diamond(&mut svg, place, label_set, view);
     }
@@ -63,6 +66,22 @@ pub fn overlay_svg(topology: &TopologicalMap, label_set: &LabelSet, view: &View)
         circle(&mut svg, place, label_set, view);
     }
     svg
+}
+
+/// The places that a picture shows: not the specks behind walls and inside furniture, which connect to
+/// nothing and are smaller than [`SPECK_M2`].
+pub(super) fn drawn_places(topology: &TopologicalMap) -> Vec<&Place> {
+    let mut is_connected = vec![false; topology.places.len()];
+    for id in topology.connections.iter().flat_map(|connection| [connection.a, connection.b]) {
+        if let Ok(index) = topology.places.binary_search_by_key(&id, |place| place.id) {
+            is_connected[index] = true;
+        }
+    }
+    let drawn = topology.places.iter().zip(is_connected);
+    drawn
+        .filter(|(place, connected)| *connected || place.area_m2 >= SPECK_M2)
+        .map(|(place, _)| place)
+        .collect()
 }
 
 /// `text` for use in SVG: markup escaped, control characters left out.
@@ -98,19 +117,16 @@ macro_rules! push {
 
 fn outline(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
     let mut path = String::new();
-    for ring in
-        place.outline.iter().flat_map(|polygon| std::iter::once(&polygon.exterior).chain(&polygon.holes))
-    {
-        for (index, &point) in ring.iter().enumerate() {
-            let Point2 { x, y } = view.pixel(point);
-            let _ = write!(path, "{}{x:.1} {y:.1}", if index == 0 { 'M' } else { 'L' });
+    for polygon in &place.outline {
+        for ring in std::iter::once(&polygon.exterior).chain(&polygon.holes) {
+            path += &path_data(ring, view);
+            path.push('Z');
         }
-        path.push('Z');
     }
-    let (color, width) = (dark(place, label_set), 0.07 * view.text_px);
+    let color = dark(place, label_set);
     push!(
         svg,
-        r#"<path d="{path}" fill="none" stroke="{color}" stroke-width="{width:.2}" stroke-linejoin="round"/>"#
+        r#"<path d="{path}" fill="none" stroke="{color}" stroke-width="1" shape-rendering="crispEdges"/>"#
     );
 }
 
@@ -129,26 +145,27 @@ fn jambs(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
 }
 
 fn edges(svg: &mut String, topology: &TopologicalMap, view: &View) {
-    let mut path = String::new();
-    for &Connection { a, b, middle, .. } in &topology.connections {
-        let (Some(a), Some(b)) = (topology.place(a), topology.place(b)) else { continue };
-        let mut points = vec![a.anchor, b.anchor];
-        // Where two places meet without a doorway, the line shows where.
-        if a.role != Role::Doorway && b.role != Role::Doorway {
-            points.insert(1, middle);
-        }
-        for (index, &point) in points.iter().enumerate() {
-            let Point2 { x, y } = view.pixel(point);
-            let _ = write!(path, "{}{x:.1} {y:.1}", if index == 0 { 'M' } else { 'L' });
-        }
-    }
     for (color, opacity, width) in [("#ffffff", 0.75, 0.3), (INK, 0.9, 0.12)] {
         let width = width * view.text_px;
         push!(
             svg,
-            r#"<path d="{path}" fill="none" stroke="{color}" stroke-opacity="{opacity}" stroke-width="{width:.2}" stroke-linejoin="round"/>"#
+            r#"<g fill="none" stroke="{color}" stroke-opacity="{opacity}" stroke-width="{width:.2}" stroke-linejoin="round">"#
         );
+        for connection in &topology.connections {
+            push!(svg, r#"<path d="{}"/>"#, path_data(&connection.path, view));
+        }
+        push!(svg, "</g>");
     }
+}
+
+/// The lines between `points` as SVG path data.
+fn path_data(points: &[Point2], view: &View) -> String {
+    let mut data = String::new();
+    for (index, &point) in points.iter().enumerate() {
+        let Point2 { x, y } = view.pixel(point);
+        let _ = write!(data, "{}{x:.1} {y:.1}", if index == 0 { 'M' } else { 'L' });
+    }
+    data
 }
 
 fn diamond(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {

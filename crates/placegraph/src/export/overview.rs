@@ -8,9 +8,9 @@ use image::{ExtendedColorType, ImageEncoder};
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg;
 
+use super::canvas::{Canvas, Crop, PAPER, paint};
 use super::overlay::{View, overlay_svg};
 use super::page::{Layout, Page};
-use super::canvas::{Crop, PAPER, paint};
 use crate::grid::OccupancyGrid;
 use crate::labels::{Label, LabelSet};
 use crate::topology::TopologicalMap;
@@ -56,7 +56,8 @@ pub fn overview_png(
     let mut pixmap = Pixmap::new(width, height).expect("a picture of a bounded size");
     pixmap.fill(Color::from_rgba8(PAPER[0], PAPER[1], PAPER[2], 255));
     let offset = (map.0 as usize, map.1 as usize);
-    paint(grid, labeling, label_set, &crop, pixmap.data_mut(), width as usize, offset);
+    let canvas = Canvas { rgba: pixmap.data_mut(), stride_px: width as usize, offset };
+    paint(grid, labeling, label_set, &crop, canvas);
     draw(&svg, &mut pixmap);
     encode(&pixmap)
 }

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::overlay::{FONTS, INK, escaped, hex};
 use super::canvas::{WALL, pastel};
+use super::overlay::{FONTS, INK, drawn_places, escaped, hex};
 use crate::labels::{Label, LabelSet, Role};
 use crate::topology::TopologicalMap;
 
@@ -70,11 +70,12 @@ fn heading(title: &str, topology: &TopologicalMap, layout: &Layout) -> String {
         shown.pop();
         shown.push('…');
     }
-    let n_doorways = topology.places.iter().filter(|place| place.role == Role::Doorway).count();
-    let area_m2: f64 = topology.places.iter().map(|place| place.area_m2).sum();
+    let places = drawn_places(topology);
+    let n_doorways = places.iter().filter(|place| place.role == Role::Doorway).count();
+    let area_m2: f64 = places.iter().map(|place| place.area_m2).sum();
     let count = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });
     let figures = [
-        count(topology.places.len() - n_doorways, "place"),
+        count(places.len() - n_doorways, "place"),
         count(n_doorways, "doorway"),
         count(topology.connections.len(), "connection"),
         format!("{area_m2:.0} m²"),
@@ -117,26 +118,22 @@ fn legend(
 
 /// A colored square, a name and a figure.
 fn swatch(name: &str, figure: &str, color: [u8; 3], text_px: f64) -> Item {
-    let name_width = text_width(name, text_px);
-    let (name, figure, color) = (name.to_owned(), figure.to_owned(), hex(color));
-    let gap = if figure.is_empty() { 0.0 } else { 0.5 * text_px };
-    let width = 1.6 * text_px + name_width + gap + text_width(&figure, text_px);
+    let width = 2.0 * text_px + text_width(name, text_px) + text_width(figure, text_px);
+    let (name, figure, color) = (escaped(name), figure.to_owned(), hex(color));
     let svg = move |x: f64, y: f64| {
-        let mut svg = format!(
-            r#"<rect x="{x:.1}" y="{:.1}" width="{text_px:.1}" height="{text_px:.1}" rx="{:.1}" fill="{color}" stroke="{INK}" stroke-opacity="0.35" stroke-width="1"/>"#,
-            y - 0.86 * text_px,
-            0.18 * text_px
-        );
-        svg += &text_svg(x + 1.5 * text_px, y, text_px, "normal", INK, &name);
-        svg += &text_svg(x + 1.5 * text_px + name_width + gap, y, text_px, "normal", GRAY, &figure);
-        svg
+        let (top, corner, text_x, gap) =
+            (y - 0.86 * text_px, 0.18 * text_px, x + 1.5 * text_px, 0.4 * text_px);
+        format!(
+            r#"<rect x="{x:.1}" y="{top:.1}" width="{text_px:.1}" height="{text_px:.1}" rx="{corner:.1}" fill="{color}" stroke="{INK}" stroke-opacity="0.35" stroke-width="1"/>
+<text x="{text_x:.1}" y="{y:.1}" font-family="{FONTS}" font-size="{text_px:.1}" fill="{INK}">{name}<tspan dx="{gap:.1}" fill="{GRAY}">{figure}</tspan></text>"#
+        )
     };
     Item { width, svg: Box::new(svg) }
 }
 
-/// A bar of 1, 2 or 5 times a power of ten meters, the longest that is at most 14 letters long.
+/// A bar of 1, 2 or 5 times a power of ten meters, the longest that is at most 20 times the text size long.
 fn scale_bar(m_per_px: f64, text_px: f64) -> Item {
-    let longest_m = 14.0 * text_px * m_per_px;
+    let longest_m = 20.0 * text_px * m_per_px;
     let power = 10f64.powf(longest_m.log10().floor());
     let length_m = [5.0, 2.0, 1.0].into_iter().find(|f| f * power <= longest_m).unwrap_or(1.0) * power;
     let bar = length_m / m_per_px;

@@ -46,7 +46,8 @@ pub fn scan_png(grid: &OccupancyGrid, cell: Cell, scan: &RangeScan) -> Vec<u8> {
     }
     let _ = write!(svg, r##"<circle cx="{:.1}" cy="{:.1}" r="6" fill="#ce4454"/>"##, center.x, center.y);
     let (width, height) = window.size_px();
-    let svg = format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}">{svg}</svg>"#);
+    let svg =
+        format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}">{svg}</svg>"#);
     #[expect(clippy::expect_used, reason = "the sides are above 0 and bounded")]
     let mut pixmap = Pixmap::new(width, height).expect("a picture of a bounded size");
     pixmap.fill(resvg::tiny_skia::Color::WHITE);
@@ -71,8 +72,10 @@ impl Window {
         };
         let left = (fold(|end| end.x, f64::min, f64::INFINITY) - MARGIN_CELLS).floor().max(0.0);
         let bottom = (fold(|end| end.y, f64::min, f64::INFINITY) - MARGIN_CELLS).floor().max(0.0);
-        let right = (fold(|end| end.x, f64::max, 0.0) + MARGIN_CELLS).ceil().min(f64::from(grid.cells.width()));
-        let top = (fold(|end| end.y, f64::max, 0.0) + MARGIN_CELLS).ceil().min(f64::from(grid.cells.height()));
+        let right =
+            (fold(|end| end.x, f64::max, 0.0) + MARGIN_CELLS).ceil().min(f64::from(grid.cells.width()));
+        let top =
+            (fold(|end| end.y, f64::max, 0.0) + MARGIN_CELLS).ceil().min(f64::from(grid.cells.height()));
         let px_per_cell = LONGEST_SIDE_PX / (right - left).max(top - bottom);
         Self { left, right, bottom, top, px_per_cell }
     }

@@ -2,12 +2,15 @@
 //!
 //! Cost: linear in nodes and border sides.
 
+use rayon::prelude::*;
+
 use super::clearance::{anchors, clearance_cells};
 use super::opening::{Opening, opening};
 use super::outline::outlines;
-use super::{Connection, Doorway, Place, PlaceId, TopologicalMap};
+use super::paths::paths;
+use super::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, TopologicalMap};
 use crate::geom::Point2;
-use crate::grid::{CellGraph, MapFrame};
+use crate::grid::{Cell, CellGraph, MapFrame};
 use crate::labels::{LabelField, LabelSet, Role};
 use crate::regions::{Contact, RegionId, RegionMap, contacts, properties};
 
@@ -28,21 +31,21 @@ pub fn build(
     let contacts = contacts(graph, regions);
     let centroids: Vec<Point2> = properties.iter().map(|p| frame.cells_from_map(p.centroid)).collect();
     let anchors = anchors(graph, regions, &centroids);
+    let (outlines, paths) =
+        rayon::join(|| outlines(graph, frame, regions), || paths(graph, regions, &anchors, &contacts));
     let probabilities = mean_probabilities(field, regions);
     let neighbors = neighbors_by_contact(regions, &contacts);
-    let mut outlines = outlines(graph, frame, regions).into_iter();
 
-    let mut places = Vec::with_capacity(regions.regions.len());
-    for (index, region) in regions.regions.iter().enumerate() {
+    let place = |(index, outline): (usize, Vec<PolygonWithHoles>)| {
+        let region = regions.regions[index];
         let class = label_set.class(region.label);
         let id = place_id(RegionId(index as u32));
-        let anchor = anchors[index];
-        let anchor_cell = graph.cells()[anchor];
+        let anchor = graph.cells()[anchors[index]];
         let doorway = (class.role == Role::Doorway).then(|| {
-            let anchor = Point2::new(anchor_cell.x as f64 + 0.5, anchor_cell.y as f64 + 0.5);
+            let anchor = Point2::new(anchor.x as f64 + 0.5, anchor.y as f64 + 0.5);
             doorway(graph, frame, &neighbors[index], centroids[index], anchor)
         });
-        places.push(Place {
+        Place {
             id,
             name: format!("{} {}", class.name, id.0),
             class: class.name.clone(),
@@ -52,22 +55,23 @@ pub fn build(
             area_m2: properties[index].area_m2,
             centroid: properties[index].centroid,
             axes: properties[index].axes,
-            anchor: frame.center(anchor_cell),
-            clearance_m: clearance_cells(graph, regions, anchor) * frame.resolution_m(),
-            outline: outlines.next().unwrap_or_default(),
+            anchor: frame.center(anchor),
+            clearance_m: clearance_cells(graph, regions, anchors[index]) * frame.resolution_m(),
+            outline,
             doorway,
-        });
+        }
+    };
+    let connection = |(contact, path): (&Contact, Vec<Cell>)| Connection {
+        a: place_id(contact.a),
+        b: place_id(contact.b),
+        contact_m: contact.n_sides as f64 * frame.resolution_m(),
+        middle: frame.map_from_cells(contact.middle),
+        path: path.into_iter().map(|cell| frame.center(cell)).collect(),
+    };
+    TopologicalMap {
+        places: outlines.into_par_iter().enumerate().map(place).collect(),
+        connections: contacts.iter().zip(paths).map(connection).collect(),
     }
-    let connections = contacts
-        .iter()
-        .map(|contact| Connection {
-            a: place_id(contact.a),
-            b: place_id(contact.b),
-            contact_m: contact.n_sides as f64 * frame.resolution_m(),
-            middle: frame.map_from_cells(contact.middle),
-        })
-        .collect();
-    TopologicalMap { places, connections }
 }
 
 fn place_id(region: RegionId) -> PlaceId {

@@ -79,6 +79,8 @@ pub struct Connection {
     pub contact_m: f64,
     /// The point of the common border nearest to its mean.
     pub middle: Point2,
+    /// Straight lines from the anchor of `a` to the anchor of `b` that stay inside the two places.
+    pub path: Vec<Point2>,
 }
 
 /// Places and the connections between them. Ends of connections exist, no pair stands twice, `a < b`.

@@ -5,6 +5,7 @@ mod clearance;
 mod map;
 mod opening;
 mod outline;
+mod paths;
 
 pub use crate::geom::EllipseAxes;
 pub use build::build;

@@ -6,13 +6,15 @@
 //! It does not depend on how much of the opening carries the doorway label, on the direction of the walls or
 //! on the corners of the rooms beside it, which no such line can cut off.
 //!
-//! Cost per doorway: about depth · width · 700 steps in cells.
+//! Cost per doorway: about depth · width · 350 steps in cells.
 
 use crate::geom::{Point2, Vec2};
 use crate::grid::{Cell, CellGraph};
 
-/// Largest angle between the opening and straight across, in whole degrees.
+/// Largest angle between the opening and straight across, in degrees.
 const MAX_SLANT_DEG: u32 = 60;
+/// Angle between two lines that are tried, in degrees: a line one degree off is longer by 1.5e-4.
+const SLANT_STEP_DEG: usize = 2;
 
 /// The narrowest line across a doorway, in cells from the lower left corner of the grid.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +40,7 @@ pub(super) fn opening(graph: &CellGraph, from: Point2, to: Point2, anchor: Point
     }
 
     let mut best = Opening { width_cells: f64::INFINITY, jambs: [anchor; 2] };
-    for slant_deg in 0..=max_slant_deg {
+    for slant_deg in (0..=max_slant_deg).step_by(SLANT_STEP_DEG) {
         for side in [1.0, -1.0] {
             let direction = across.rotated(side * (slant_deg as f64).to_radians());
             for &start in &starts {
