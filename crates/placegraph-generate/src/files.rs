@@ -76,3 +76,16 @@ fn png<T>(
         .map_err(|source| FilesError::Picture { name, source })?;
     Ok(file)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_row_of_a_picture_is_the_top_of_the_map() {
+        let grid = Grid::from_rows(2, 2, vec![1_u8, 2, 3, 4]);
+        let file = png("map.png", &grid, ExtendedColorType::L8, |value| vec![*value]).unwrap();
+        let picture = image::load_from_memory(&file).unwrap().into_luma8();
+        assert_eq!(picture.into_raw(), [3, 4, 1, 2]);
+    }
+}

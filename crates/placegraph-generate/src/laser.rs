@@ -147,3 +147,49 @@ impl Person {
         (along > 0.0 && inside > 0.0).then(|| along - inside.sqrt())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plan::{Plan, Space, Tile, Usage};
+    use crate::shape::Rect;
+    use crate::warp::Warp;
+
+    /// A room of 4 m by 2 m with walls of 0.2 m.
+    fn room() -> Scene {
+        let floor = Rect::new(0.0, 0.0, 4.0, 2.0);
+        let plan = Plan {
+            spaces: vec![Space { usage: Usage::Office }],
+            tiles: vec![Tile { space: 0, outer: floor, inner: floor }],
+            outer_wall_m: 0.2,
+            ..Plan::default()
+        };
+        Scene::paint(&plan, &Warp::none(), 0.025, 0.5)
+    }
+
+    #[test]
+    fn a_laser_measures_the_distance_to_the_wall_within_its_noise() {
+        let laser = Laser {
+            beams: vec![Vec2::new(1.0, 0.0), Vec2::new(0.0, -1.0)],
+            range_m: 8.0,
+            sigma_m: 0.005,
+            dropouts: 0.0,
+            mixed: 0.0,
+            transparency: 0.0,
+            people: 0.0,
+        };
+        let scan =
+            laser.scan(&room(), Point2::new(1.0, 1.5), Vec2::new(1.0, 0.0), &mut Dice::new(0, 0, 0, 0));
+        for (beam, expected) in scan.iter().zip([3.0, 1.5]) {
+            assert!((beam.range_m.unwrap() - expected).abs() < 0.05, "{beam:?}");
+        }
+    }
+
+    #[test]
+    fn a_person_hides_what_is_behind() {
+        let person = Person { center: Point2::new(2.0, 0.05), radius_m: 0.13 };
+        let hit = person.hit(Point2::new(0.0, 0.0), Vec2::new(1.0, 0.0)).unwrap();
+        assert!((hit - 1.88).abs() < 1e-12);
+        assert!(person.hit(Point2::new(0.0, 0.0), Vec2::new(0.0, 1.0)).is_none());
+    }
+}

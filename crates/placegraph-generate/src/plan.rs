@@ -200,3 +200,55 @@ fn contact(a: &Tile, b: &Tile, wall: Axis) -> Option<((f64, f64), (f64, f64))> {
     let faces = (below.inner.span(across(wall)).1, above.inner.span(across(wall)).0);
     (along.1 > along.0).then_some((along, faces))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tile(space: usize, outer: Rect, inner: Rect) -> Tile {
+        Tile { space, outer, inner }
+    }
+
+    #[test]
+    fn a_contact_runs_where_both_tiles_have_floor() {
+        let plan = Plan {
+            tiles: vec![
+                tile(0, Rect::new(0.0, 0.0, 4.0, 3.0), Rect::new(0.0, 0.0, 4.0, 2.9)),
+                tile(1, Rect::new(1.0, 3.0, 6.0, 5.0), Rect::new(1.2, 3.05, 6.0, 5.0)),
+            ],
+            ..Plan::default()
+        };
+        let contacts = plan.contacts();
+        assert_eq!(contacts.len(), 1);
+        assert_eq!(contacts[0].wall, Axis::X);
+        assert_eq!((contacts[0].along, contacts[0].across), ((1.2, 4.0), (2.9, 3.05)));
+    }
+
+    #[test]
+    fn a_doorway_reaches_a_quarter_meter_beyond_both_faces() {
+        let opening = Opening {
+            spaces: [0, 1],
+            kind: OpeningKind::Doorway,
+            wall: Axis::Y,
+            gap: Rect::new(5.0, 1.0, 5.2, 1.9),
+            leaves: Vec::new(),
+            closed: false,
+        };
+        assert!((opening.width_m() - 0.9).abs() < 1e-12);
+        assert_eq!(opening.strip(), Rect::new(4.75, 1.0, 5.45, 1.9));
+    }
+
+    #[test]
+    fn spaces_that_go_leave_no_gap_in_the_numbers() {
+        let space = |usage| Space { usage };
+        let here = Rect::new(0.0, 0.0, 1.0, 1.0);
+        let mut plan = Plan {
+            spaces: vec![space(Usage::Office), space(Usage::Bath), space(Usage::Corridor)],
+            tiles: vec![tile(0, here, here), tile(1, here, here), tile(2, here, here)],
+            ..Plan::default()
+        };
+        plan.retain_spaces(&[false, true, true]);
+        assert_eq!(plan.spaces, [space(Usage::Bath), space(Usage::Corridor)]);
+        assert_eq!(plan.tiles.iter().map(|tile| tile.space).collect::<Vec<_>>(), [0, 1]);
+    }
+}

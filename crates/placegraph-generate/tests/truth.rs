@@ -132,3 +132,35 @@ fn shares_of_the_classes_are_those_of_real_buildings() {
     assert!((1.0..3.5).contains(&share(DOORWAY)), "doorways {} %", share(DOORWAY));
     assert!(share(AMBIGUOUS) < 10.0, "ambiguous {} %", share(AMBIGUOUS));
 }
+
+#[test]
+fn corridors_and_rooms_have_the_sizes_of_their_style() {
+    let ranges = [
+        (Style::Office, (1.2, 3.5), (6.0, 45.0)),
+        (Style::Hospital, (1.9, 3.6), (4.0, 40.0)),
+        (Style::Hotel, (1.2, 2.6), (3.0, 40.0)),
+        (Style::School, (1.8, 5.0), (15.0, 80.0)),
+    ];
+    for (style, corridor_m, room_m2) in ranges {
+        let (mut widths, mut areas) = (Vec::new(), Vec::new());
+        for index in 0..12 {
+            let plan =
+                generate(style, 30, index, &Options { mapping: Mapping::Clean, resolution_m: Some(0.2) })
+                    .plan;
+            for (number, space) in plan.spaces.iter().enumerate() {
+                let tiles = plan.tiles.iter().filter(|tile| tile.space == number);
+                if space.is_corridor() {
+                    widths.extend(tiles.map(|tile| tile.inner.width().min(tile.inner.height())));
+                } else {
+                    areas.push(tiles.map(|tile| tile.inner.area()).sum());
+                }
+            }
+        }
+        for (values, (low, high)) in [(&mut widths, corridor_m), (&mut areas, room_m2)] {
+            values.sort_by(f64::total_cmp);
+            let median = values[values.len() / 2];
+            assert!((low..high).contains(&median), "{style:?}: median {median}");
+            assert!(values[values.len() / 10] < values[values.len() * 9 / 10] * 0.8, "{style:?} varies");
+        }
+    }
+}
