@@ -131,6 +131,9 @@ pub(crate) struct TrainArgs {
     /// Train on the building at these scales
     #[arg(long, value_delimiter = ',', value_name = "S,...")]
     pub(crate) scales: Option<Vec<f64>>,
+    /// Train on at most so many cells of each class, evenly taken [default: all]
+    #[arg(long, value_name = "N")]
+    pub(crate) max_cells_per_class: Option<usize>,
     /// Print the report as JSON
     #[arg(long)]
     pub(crate) json: bool,

@@ -110,6 +110,7 @@ fn config(args: &TrainArgs) -> TrainConfig {
     if let Some(scales) = &args.scales {
         config.scales.clone_from(scales);
     }
+    config.max_cells_per_class = args.max_cells_per_class;
     config
 }
 
