@@ -56,7 +56,8 @@ pub fn region_png(graph: &CellGraph, regions: &RegionMap) -> Result<Vec<u8>, Ras
 pub fn raster_yaml(image: &str, frame: &MapFrame) -> String {
     let origin = frame.map_from_grid();
     format!(
-        "image: {}\nmode: raw\nresolution: {}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+        "image: {}\nmode: raw\nresolution: {}\norigin: [{}, {}, {}]\nnegate: 0\n\
+         occupied_thresh: 0.65\nfree_thresh: 0.196\n",
         // A JSON string is a YAML string, whatever the file is called.
         serde_json::Value::from(image),
         yaml_float(frame.resolution_m()),

@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::finding::{Finding, Severity};
 use super::shape::{clearance_cells, specks};
 use super::{Gray205, LoadedMap};
-use crate::grid::{Grid, Occupancy, OccupancyGrid};
+use crate::grid::{Cell, Grid, Occupancy, OccupancyGrid};
 
 /// Share of the cells in each state, in 0..=1.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -46,6 +46,8 @@ const MIN_EXTENT_M: f64 = 2.0;
 const MAX_EXTENT_M: f64 = 2000.0;
 /// In a passage 0.6 m wide, half of the cells are farther than this from its walls.
 const MIN_MEDIAN_CLEARANCE_M: f64 = 0.1;
+/// In a square room of 20 m by 20 m, half of the cells are farther than this from its walls.
+const MAX_MEDIAN_CLEARANCE_M: f64 = 3.0;
 /// The middle of a hall 50 m wide.
 const MAX_CLEARANCE_M: f64 = 25.0;
 
@@ -100,17 +102,16 @@ fn shape(map: &OccupancyGrid) -> Vec<Finding> {
     let resolution_m = map.frame.resolution_m();
     let free = clearance_cells(&map.cells, Occupancy::Free);
     let wide_free = wide_share(&free, resolution_m);
-    let wide_occupied = wide_share(&clearance_cells(&map.cells, Occupancy::Occupied), resolution_m);
-    if wide_free < wide_occupied && wide_free < MAX_WIDE_FREE_IF_INVERTED {
-        findings.push(Finding::Inverted { wide_free, wide_occupied });
+    if wide_free < MAX_WIDE_FREE_IF_INVERTED {
+        let wide_occupied = wide_share(&clearance_cells(&map.cells, Occupancy::Occupied), resolution_m);
+        if wide_free < wide_occupied {
+            findings.push(Finding::Inverted { wide_free, wide_occupied });
+        }
     }
     findings.extend(implausible_resolution(&free, resolution_m));
-    let on_border = |index: &usize| {
-        let cell = free.cell(*index);
-        cell.x == 0 || cell.y == 0 || cell.x + 1 == free.width() || cell.y + 1 == free.height()
-    };
-    let n_border =
-        (0..free.values().len()).filter(|index| free.values()[*index] > 0).filter(on_border).count();
+    let (right, top) = (free.width() - 1, free.height() - 1);
+    let on_border = |cell: &Cell| cell.x == 0 || cell.y == 0 || cell.x == right || cell.y == top;
+    let n_border = free.cells().filter(on_border).filter(|&cell| free[cell] > 0).count();
     if n_border > 0 {
         findings.push(Finding::OpenToBorder { n_cells: n_border as u64 });
     }
@@ -137,9 +138,11 @@ fn implausible_resolution(clearance: &Grid<u16>, resolution_m: f64) -> Option<Fi
     let median = f64::from(*distances.select_nth_unstable(middle).1);
     let extent_m = extent_cells(clearance)?.map(|cells| f64::from(cells) * resolution_m);
     let (median_clearance_m, largest_clearance_m) = (median * resolution_m, largest * resolution_m);
-    let too_small =
-        extent_m[0].max(extent_m[1]) < MIN_EXTENT_M || median_clearance_m < MIN_MEDIAN_CLEARANCE_M;
-    let too_large = extent_m[0].max(extent_m[1]) > MAX_EXTENT_M || largest_clearance_m > MAX_CLEARANCE_M;
+    let extent = extent_m[0].max(extent_m[1]);
+    let too_small = extent < MIN_EXTENT_M || median_clearance_m < MIN_MEDIAN_CLEARANCE_M;
+    let too_large = extent > MAX_EXTENT_M
+        || median_clearance_m > MAX_MEDIAN_CLEARANCE_M
+        || largest_clearance_m > MAX_CLEARANCE_M;
     (too_small || too_large).then_some(Finding::Resolution {
         resolution_m,
         extent_m,

@@ -25,18 +25,13 @@ pub enum Channels {
 
 impl Channels {
     /// Samples per pixel.
-    pub const fn len(self) -> usize {
+    pub const fn n_samples(self) -> usize {
         match self {
             Self::Gray => 1,
             Self::GrayAlpha => 2,
             Self::Rgb => 3,
             Self::Rgba => 4,
         }
-    }
-
-    /// Always false; a pixel has a sample.
-    pub const fn is_empty(self) -> bool {
-        false
     }
 
     /// Samples per pixel without alpha.
@@ -66,7 +61,7 @@ pub struct Raster {
     pub height: u32,
     /// What the samples of a pixel are.
     pub channels: Channels,
-    /// `width · height · channels.len()` samples.
+    /// `width · height · channels.n_samples()` samples.
     pub samples: Samples,
 }
 

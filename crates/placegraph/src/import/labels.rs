@@ -114,16 +114,17 @@ pub fn read_labels(
         1 => [pixel[0]; 3],
         _ => [pixel[0], pixel[1], pixel[2]],
     };
-    let mut cells = Vec::with_capacity(samples.len() / channels.len());
+    let mut cells = Vec::with_capacity(samples.len() / channels.n_samples());
     // Neighboring pixels mostly agree: look a value up only where it changes.
     let mut last = None;
-    for (index, pixel) in samples.chunks_exact(channels.len()).enumerate() {
+    for (index, pixel) in samples.chunks_exact(channels.n_samples()).enumerate() {
         let value = color(pixel);
         let cell = match last {
             Some((known, cell)) if known == value => cell,
             _ => coding.meaning(value).ok_or_else(|| LabelImageError::UnknownValue {
                 value,
-                n_pixels: samples.chunks_exact(channels.len()).filter(|p| color(p) == value).count() as u64,
+                n_pixels: samples.chunks_exact(channels.n_samples()).filter(|p| color(p) == value).count()
+                    as u64,
                 x: (index % size.0 as usize) as u32,
                 y: (index / size.0 as usize) as u32,
                 expected: coding.entries.iter().map(|&(known, _)| known).collect(),
@@ -154,7 +155,7 @@ pub fn image_size(bytes: &[u8]) -> Result<(u32, u32), LabelImageError> {
 /// If the bytes are no image, it has another size than `size` = (width, height), or it is not gray.
 pub fn read_rooms(bytes: &[u8], size: (u32, u32)) -> Result<Grid<u16>, LabelImageError> {
     let raster = decode(bytes, size)?;
-    if raster.channels.len() > 1 {
+    if raster.channels.n_samples() > 1 {
         let (expected, found) = ("a gray image of room ids", "colors or alpha");
         return Err(LabelImageError::PixelType { expected, found });
     }

@@ -142,7 +142,7 @@ fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
         (OccupancyGrid { frame: MapFrame::new(resolution_m, Pose2::default())?, cells }, source)
     };
     let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let hash = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let hash = hash.finalize().iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
     Ok(LoadedMap { grid, name, source, hash })
 }
 

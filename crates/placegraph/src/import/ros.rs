@@ -244,7 +244,7 @@ pub fn brightness(raster: Raster, how: &Interpretation) -> Brightness {
     let samples = raster.into_8_bit();
     let n_summed = match (how.rules, how.mode) {
         (Rules::Nav2, _) => 1,
-        (Rules::Ros1, Mode::Trinary) => channels.len(),
+        (Rules::Ros1, Mode::Trinary) => channels.n_samples(),
         (Rules::Ros1, _) => channels.n_colors(),
     };
     let has_alpha = matches!(channels, Channels::GrayAlpha | Channels::Rgba);
@@ -253,11 +253,11 @@ pub fn brightness(raster: Raster, how: &Interpretation) -> Brightness {
             Rules::Nav2 => u16::from(luminance(pixel, channels)),
             Rules::Ros1 => pixel[..n_summed].iter().map(|&v| u16::from(v)).sum(),
         };
-        (sum, if has_alpha { pixel[channels.len() - 1] } else { 255 })
+        (sum, if has_alpha { pixel[channels.n_samples() - 1] } else { 255 })
     };
     // The flip: the image's last row is the map's first.
-    let rows = samples.chunks_exact(width as usize * channels.len()).rev();
-    let values = rows.flat_map(|row| row.chunks_exact(channels.len())).map(measure).collect();
+    let rows = samples.chunks_exact(width as usize * channels.n_samples()).rev();
+    let values = rows.flat_map(|row| row.chunks_exact(channels.n_samples())).map(measure).collect();
     Brightness { cells: Grid::from_rows(width, height, values), divisor: n_summed as u16 }
 }
 

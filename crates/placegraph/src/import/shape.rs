@@ -1,56 +1,89 @@
 //! How wide the areas of a map are: what the check measures.
 
-use crate::grid::{Cell, CellGraph, Connectivity, Grid, Occupancy};
+use crate::grid::{Grid, Occupancy};
+
+/// The cells of one state, marked in a frame of zeros around the map: no cell has to ask whether it is at the
+/// border.
+struct Framed {
+    /// Columns of the map, plus 2.
+    stride: usize,
+    /// `u16::MAX` for cells of the state, else 0.
+    marks: Vec<u16>,
+}
+
+impl Framed {
+    fn new(cells: &Grid<Occupancy>, of: Occupancy) -> Self {
+        let stride = cells.width() as usize + 2;
+        let mut marks = vec![0; stride * (cells.height() as usize + 2)];
+        for (row, states) in
+            marks.chunks_exact_mut(stride).skip(1).zip(cells.values().chunks_exact(stride - 2))
+        {
+            for (mark, _) in row[1..].iter_mut().zip(states).filter(|(_, state)| **state == of) {
+                *mark = u16::MAX;
+            }
+        }
+        Self { stride, marks }
+    }
+
+    /// Steps in [`Framed::marks`] to the 4 neighbors that come later in it; the other 4 are the same steps back.
+    fn steps(&self) -> [usize; 4] {
+        [1, self.stride - 1, self.stride, self.stride + 1]
+    }
+}
 
 /// Distance of every cell of state `of` to the nearest cell of another state or outside the map, in cells
 /// (`max(|dx|, |dy|)`, so a cell beside a wall has 1); 0 for the other cells. Cost: two passes.
 pub(super) fn clearance_cells(cells: &Grid<Occupancy>, of: Occupancy) -> Grid<u16> {
-    let mut distance = cells.map(|&state| if state == of { u16::MAX } else { 0 });
-    let forward = Connectivity::Eight.steps_back();
-    let backward: Vec<(i32, i32)> = forward.iter().map(|(dx, dy)| (-dx, -dy)).collect();
-    let mut relax = |cell: Cell, steps: &[(i32, i32)]| {
-        if distance[cell] > 0 {
-            let nearest = |step: &(i32, i32)| distance.offset(cell, *step).map_or(0, |next| distance[next]);
-            let least = steps.iter().map(nearest).min().unwrap_or(0);
-            distance[cell] = distance[cell].min(least.saturating_add(1));
+    let framed = Framed::new(cells, of);
+    let steps = framed.steps();
+    let Framed { stride, marks: mut distance } = framed;
+    let farther = |nearest: [u16; 4]| nearest.into_iter().min().unwrap_or(0).saturating_add(1);
+    let inside = stride + 1..distance.len() - stride - 1;
+    for i in inside.clone() {
+        if distance[i] > 0 {
+            distance[i] = farther(steps.map(|step| distance[i - step]));
         }
-    };
-    for index in 0..cells.values().len() {
-        relax(cells.cell(index), forward);
     }
-    for index in (0..cells.values().len()).rev() {
-        relax(cells.cell(index), &backward);
+    for i in inside.rev() {
+        if distance[i] > 0 {
+            distance[i] = distance[i].min(farther(steps.map(|step| distance[i + step])));
+        }
     }
-    distance
+    let rows = distance.chunks_exact(stride).skip(1).take(cells.height() as usize);
+    let values = rows.flat_map(|row| &row[1..stride - 1]).copied().collect();
+    Grid::from_rows(cells.width(), cells.height(), values)
 }
 
-/// Number and total of cells of the 8-connected free areas with fewer than `min_cells` cells.
+/// Number and total of cells of the 8-connected free areas with fewer than `min_cells` cells. Cost: a pass.
 pub(super) fn specks(cells: &Grid<Occupancy>, min_cells: f64) -> (u64, u64) {
-    let graph = CellGraph::new(cells);
-    let mut seen = vec![false; graph.n_nodes()];
+    let mut free = Framed::new(cells, Occupancy::Free);
+    let steps = free.steps();
     let (mut n_specks, mut n_speck_cells) = (0, 0);
-    for start in 0..graph.n_nodes() {
-        if seen[start] {
-            continue;
-        }
-        seen[start] = true;
+    let mut open = Vec::new();
+    for start in 0..free.marks.len() {
         let mut n_cells = 0;
-        let mut open = vec![start];
-        while let Some(node) = open.pop() {
+        visit(&mut free.marks, start, &mut open);
+        while let Some(i) = open.pop() {
             n_cells += 1;
-            for next in graph.neighbors(node, Connectivity::Eight) {
-                if !seen[next] {
-                    seen[next] = true;
-                    open.push(next);
-                }
+            for step in steps {
+                visit(&mut free.marks, i - step, &mut open);
+                visit(&mut free.marks, i + step, &mut open);
             }
         }
-        if (n_cells as f64) < min_cells {
+        if n_cells > 0 && (n_cells as f64) < min_cells {
             n_specks += 1;
             n_speck_cells += n_cells;
         }
     }
     (n_specks, n_speck_cells)
+}
+
+/// Takes the mark from cell `i` and puts the cell on the list of those whose neighbors are to be visited.
+fn visit(marks: &mut [u16], i: usize, open: &mut Vec<usize>) {
+    if marks[i] > 0 {
+        marks[i] = 0;
+        open.push(i);
+    }
 }
 
 #[cfg(test)]
