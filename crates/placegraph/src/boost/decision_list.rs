@@ -48,7 +48,9 @@ impl DecisionList {
                 *p
             })
             .sum();
-        classes.iter_mut().for_each(|p| *p /= sum);
+        for p in classes {
+            *p /= sum;
+        }
         p
     }
 

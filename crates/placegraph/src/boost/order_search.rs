@@ -72,7 +72,9 @@ impl Counts {
 
 fn totals(labels: &[Label], weights: &[u32]) -> Vec<u64> {
     let mut totals = vec![0; weights.len()];
-    labels.iter().for_each(|label| totals[label.index()] += u64::from(weights[label.index()]));
+    for label in labels {
+        totals[label.index()] += u64::from(weights[label.index()]);
+    }
     totals
 }
 

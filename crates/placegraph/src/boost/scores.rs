@@ -5,6 +5,8 @@
 //! **Deviation**: votes and sums are `f32`, in the order of the stumps; a test bounds the difference from the sum in
 //! `f64` (`tests/boost_oracle.rs`).
 
+#![expect(clippy::inline_always, reason = "only what is inlined is compiled for several instruction sets")]
+
 use rayon::prelude::*;
 
 use super::stump::{Polarity, StrongClassifier};
@@ -16,11 +18,11 @@ use crate::scan::{Instructions, ScanConfig};
 /// Examples that [`table_scores`] evaluates together: their columns stay in cache.
 const BLOCK: usize = 256;
 
-/// A stump in the one form that the inner loop knows: `vote` where the value lies below `cut`, `−vote` elsewhere.
+/// A stump in the one form that the inner loop knows: `vote` where the value lies below `below`, `−vote` elsewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cut {
     column: u32,
-    cut: f32,
+    below: f32,
     vote: f32,
 }
 
@@ -73,10 +75,10 @@ impl CompiledClassifiers {
         }
         for (cuts, scores) in self.cuts.iter().zip(scores.chunks_exact_mut(n)) {
             scores.fill(0.0);
-            for &Cut { column: c, cut, vote } in cuts {
+            for &Cut { column: c, below, vote } in cuts {
                 // Fig. 4.2: F(x) = Σ α h(x).
                 for (score, &value) in scores.iter_mut().zip(&column(c as usize)[..n]) {
-                    *score += if value < cut { vote } else { -vote };
+                    *score += if value < below { vote } else { -vote };
                 }
             }
         }
@@ -88,9 +90,9 @@ fn cuts_of(classifier: &StrongClassifier, columns: &[FeatureId]) -> Vec<Cut> {
         let column = columns.partition_point(|&id| id < w.stump.feature) as u32;
         let vote = w.alpha as f32;
         match w.stump.polarity {
-            Polarity::Below => Cut { column, cut: w.stump.threshold, vote },
+            Polarity::Below => Cut { column, below: w.stump.threshold, vote },
             // Yes above θ is no below the next larger number.
-            Polarity::Above => Cut { column, cut: w.stump.threshold.next_up(), vote: -vote },
+            Polarity::Above => Cut { column, below: w.stump.threshold.next_up(), vote: -vote },
         }
     };
     classifier.stumps.iter().map(cut_of).collect()

@@ -109,7 +109,7 @@ fn stump_at(sorted: &SortedTable<'_>, column: usize, split: Split) -> DecisionSt
     let feature = sorted.table().columns()[column];
     let (low, high) =
         (sorted.sorted_value(column, split.place - 1), sorted.sorted_value(column, split.place));
-    let midpoint = ((f64::from(low) + f64::from(high)) / 2.0) as f32;
+    let midpoint = f64::midpoint(low.into(), high.into()) as f32;
     // The midpoint of neighbors in `f32` rounds onto one of them; then the one that the strict comparison of
     // Eq. (4.1) keeps on its side is the threshold.
     if split.r >= 0 {

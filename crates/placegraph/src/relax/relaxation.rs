@@ -16,6 +16,8 @@
 //! probabilities below 10⁻³⁰ become 0. A cell for which the neighbors rule out every label keeps its probabilities,
 //! which Eq. (4.6) leaves open.
 
+#![expect(clippy::inline_always, reason = "only what is inlined is compiled for several instruction sets")]
+
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -218,6 +220,7 @@ fn sum_columns<const K: usize>(
 }
 
 /// Eqs. (4.7) and (4.6) for sixteen neighboring cells.
+#[expect(clippy::needless_range_loop, reason = "indices k, k' and i read like the equations")]
 #[inline(always)]
 fn update_block<const K: usize>(
     current: &mut [f32],
@@ -232,7 +235,7 @@ fn update_block<const K: usize>(
     for k in 0..K {
         let start = k * stride + at;
         p[k].copy_from_slice(&current[start..start + LANES]);
-        let window = &columns[start - 1..start + LANES + 1];
+        let window = &columns[start - 1..=start + LANES];
         for i in 0..LANES {
             neighbors[k][i] = ((window[i] + window[i + 1]) + window[i + 2]) - p[k][i];
         }

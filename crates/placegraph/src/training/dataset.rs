@@ -99,7 +99,7 @@ fn thinning(maps: &[LabeledMap], label_set: &LabelSet, config: &TrainConfig) -> 
 
 /// The cells to learn from and their folds.
 fn choose(maps: &[LabeledMap], label_set: &LabelSet, config: &TrainConfig, every: &[u32]) -> Vec<Chosen> {
-    let mut seen = vec![0; label_set.len()];
+    let mut seen = vec![0u32; label_set.len()];
     let mut block_numbers = BTreeMap::new();
     let mut blocks: Vec<Vec<usize>> = Vec::new();
     let mut block_of: Vec<usize> = Vec::new();
@@ -107,7 +107,7 @@ fn choose(maps: &[LabeledMap], label_set: &LabelSet, config: &TrainConfig, every
     for (number, map) in maps.iter().enumerate() {
         let (mut cells, mut examples) = (Vec::new(), Vec::new());
         for (cell, label) in map.labeled_cells() {
-            let taken = seen[label.index()] % every[label.index()] == 0;
+            let taken = seen[label.index()].is_multiple_of(every[label.index()]);
             seen[label.index()] += 1;
             if !taken {
                 continue;

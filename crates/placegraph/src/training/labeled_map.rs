@@ -70,7 +70,9 @@ impl LabeledMap {
     pub(super) fn inside_window(&self, mut labels: Grid<Option<Label>>) -> Grid<Option<Label>> {
         if let Some(window) = &self.window {
             let cells: Vec<Cell> = labels.cells().filter(|&cell| !window.contains(cell)).collect();
-            cells.into_iter().for_each(|cell| labels[cell] = None);
+            for cell in cells {
+                labels[cell] = None;
+            }
         }
         labels
     }

@@ -1,0 +1,164 @@
+//! The model file: the same bits after a round trip, and nothing read that is not exactly a model.
+
+use placegraph::boost::{
+    CompiledClassifiers, DecisionList, DecisionStump, Polarity, Scores, StrongClassifier, WeightedStump,
+    table_scores,
+};
+use placegraph::features::{self, FeatureTable};
+use placegraph::labels::{Label, LabelSet};
+use placegraph::model::{BoostedModel, Method, Model, ModelError, TrainingRecord};
+use placegraph::regions::Thresholds;
+use placegraph::relax::{Compatibility, RelaxConfig};
+use placegraph::scan::ScanConfig;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+/// A model with `n_stumps` stumps a class and numbers that need all their digits.
+fn model(n_stumps: usize) -> Model {
+    let features = features::all();
+    let stump = |class: usize, round: usize| {
+        let number = (class * 1000 + round + 1) as f64;
+        WeightedStump {
+            stump: DecisionStump {
+                feature: features[(class * 7 + round * 3) % features.len()],
+                threshold: (number.sqrt() / 3.0) as f32,
+                polarity: if round % 2 == 0 { Polarity::Below } else { Polarity::Above },
+            },
+            alpha: 1.0 / number.cbrt(),
+        }
+    };
+    let classifier =
+        |class| StrongClassifier { stumps: (0..n_stumps).map(|round| stump(class, round)).collect() };
+    let rows = (0..4).map(|k| (0..4).map(|j| f64::from(k * 4 + j) / 17.0 - 0.3).collect()).collect();
+    Model {
+        label_set: LabelSet::default(),
+        scan: ScanConfig::default(),
+        method: Method::Boosted(BoostedModel {
+            list: DecisionList {
+                order: [1, 0, 2].map(Label).to_vec(),
+                classifiers: (0..3).map(classifier).collect(),
+                temperature: 1.1,
+            },
+            relaxation: RelaxConfig::default(),
+            compatibility: Compatibility::from_rows(rows).unwrap(),
+        }),
+        thresholds: Thresholds::default(),
+        record: TrainingRecord {
+            resolution_m: 0.05,
+            settings: json!({ "n": 3 }),
+            ..TrainingRecord::default()
+        },
+    }
+}
+
+fn classify(model: &Model) -> Vec<f32> {
+    let Method::Boosted(boosted) = &model.method else { panic!("a boosted model") };
+    let columns = boosted.columns();
+    let values = (0..columns.len() * 50).map(|i| (i as f32 * 0.71).sin() * 20.0).collect();
+    let table = FeatureTable::from_columns(columns, 50, values);
+    let rows: Vec<u32> = (0..50).collect();
+    let scores: Scores = table_scores(&table, &rows, &CompiledClassifiers::new(&boosted.list.classifiers));
+    boosted.list.classify(&scores).values().to_vec()
+}
+
+#[test]
+fn a_saved_model_classifies_with_the_same_bits() {
+    let saved = model(60);
+    let bytes = saved.to_json();
+    let read = Model::from_json(&bytes).unwrap();
+    assert_eq!(read, saved);
+    assert_eq!(read.to_json(), bytes);
+    assert_eq!(read.hash(), saved.hash());
+    assert_eq!(read.hash().len(), 64);
+    let bits = |model: &Model| classify(model).into_iter().map(f32::to_bits).collect::<Vec<_>>();
+    assert_eq!(bits(&read), bits(&saved));
+}
+
+#[test]
+fn another_model_has_another_hash() {
+    assert_ne!(model(3).hash(), model(4).hash());
+}
+
+#[test]
+fn three_times_400_stumps_take_less_than_100_kb() {
+    let n = model(400).to_json().len();
+    assert!(n < 100_000, "{n}");
+}
+
+/// The error that reading gives after `path` in the file was set to `value`.
+fn spoiled(path: &str, value: Value) -> ModelError {
+    let mut file: Value = serde_json::from_slice(&model(3).to_json()).unwrap();
+    *file.pointer_mut(path).unwrap_or_else(|| panic!("{path} in the file")) = value;
+    Model::from_json(file.to_string().as_bytes()).unwrap_err()
+}
+
+#[test]
+fn what_is_not_exactly_a_model_is_refused() {
+    use ModelError as E;
+    let boosted = |rest: &str| format!("/method/boosted/{rest}");
+    assert!(matches!(spoiled("/format", json!("other")), E::Format { found } if found == "other"));
+    assert!(matches!(spoiled("/version", json!(2)), E::Version { found: 2 }));
+    assert!(matches!(spoiled("/version", json!(u64::MAX)), E::Version { .. }));
+    assert!(matches!(spoiled("/scan", json!({ "range_max_m": 80.0 })), E::Json { .. }));
+    assert!(matches!(spoiled("/scan/range_max_m", json!(-1.0)), E::Value { field: "range_max_m", .. }));
+    assert!(matches!(spoiled("/scan/range_scale", json!(0)), E::Value { field: "range_scale", .. }));
+    assert!(matches!(spoiled("/thresholds/min_place_m2", json!(-1)), E::Value { .. }));
+    assert!(matches!(spoiled("/record/resolution_m", json!(0)), E::Value { field: "resolution_m", .. }));
+    assert!(matches!(spoiled("/label_set/2/name", json!("room")), E::Json { .. }));
+    assert!(matches!(spoiled("/method", json!({ "unheard": {} })), E::Json { .. }));
+
+    let error = spoiled(&boosted("features/0"), json!("A99"));
+    assert_eq!(error.to_string(), "expected a feature of this version's registry, found \"A99\"");
+    let first = serde_json::from_slice::<Value>(&model(3).to_json()).unwrap();
+    let first = first.pointer("/method/boosted/features/0").unwrap().clone();
+    assert!(matches!(spoiled(&boosted("features/1"), first), E::Twice { of: "features", .. }));
+    assert!(matches!(spoiled(&boosted("order/0"), json!("kitchen")), E::Class { name } if name == "kitchen"));
+    assert!(matches!(spoiled(&boosted("order/0"), json!("doorway")), E::Twice { .. }));
+    assert!(matches!(spoiled(&boosted("order"), json!(["room"])), E::Count { expected: 3, found: 1, .. }));
+    assert!(matches!(spoiled(&boosted("classifiers"), json!([])), E::Count { expected: 3, found: 0, .. }));
+    let square = json!([[0, 0, 0], [0, 0, 0], [0, 0, 0]]);
+    assert!(matches!(spoiled(&boosted("compatibility"), square), E::Count { expected: 3, found: 2, .. }));
+    assert!(matches!(spoiled(&boosted("compatibility/0/0"), json!(1.5)), E::Json { .. }));
+    assert!(matches!(spoiled(&boosted("compatibility/0/0"), json!(null)), E::Json { .. }));
+    assert!(matches!(spoiled(&boosted("temperature"), json!(0.0)), E::Value { field: "temperature", .. }));
+    assert!(matches!(spoiled(&boosted("relaxation/iterations"), json!(4_000_000_000u32)), E::Value { .. }));
+    assert!(matches!(spoiled(&boosted("classifiers/1/2/1"), json!(1e300)), E::Json { .. } | E::Value { .. }));
+    for (at, value) in [(0, json!(1000)), (2, json!(0)), (3, json!(-0.5))] {
+        let path = boosted(&format!("classifiers/1/2/{at}"));
+        assert!(matches!(spoiled(&path, value), E::Value { .. }), "{path}");
+        assert!(matches!(spoiled(&path, json!(null)), E::Json { .. }), "{path}");
+    }
+}
+
+#[test]
+fn unknown_fields_and_broken_bytes_are_refused() {
+    let text = String::from_utf8(model(3).to_json()).unwrap();
+    let extra = text.replacen("\"scan\"", "\"more\":1,\"scan\"", 1);
+    assert!(matches!(Model::from_json(extra.as_bytes()), Err(ModelError::Json { .. })));
+    let not_finite = text.replacen("1.1", "NaN", 1);
+    assert!(matches!(Model::from_json(not_finite.as_bytes()), Err(ModelError::Json { .. })));
+    let too_big = text.replacen("1.1", "1e999", 1);
+    assert!(matches!(Model::from_json(too_big.as_bytes()), Err(ModelError::Json { .. })));
+    for bytes in [&b""[..], b"[]", b"{}", &text.as_bytes()[..text.len() / 2]] {
+        assert!(matches!(Model::from_json(bytes), Err(ModelError::Json { .. })));
+    }
+    let deep = "[".repeat(1_000_000);
+    assert!(matches!(Model::from_json(deep.as_bytes()), Err(ModelError::Json { .. })));
+    let large = vec![b' '; placegraph::model::MAX_BYTES + 1];
+    assert!(matches!(Model::from_json(&large), Err(ModelError::TooLarge { .. })));
+}
+
+proptest! {
+    /// Any change of bytes is read as a model or refused, and what is read can be written.
+    #[test]
+    fn damaged_files_never_panic(at in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
+        let mut bytes = model(3).to_json();
+        for (index, byte) in at {
+            let index = index.index(bytes.len());
+            bytes[index] = byte;
+        }
+        if let Ok(read) = Model::from_json(&bytes) {
+            prop_assert_eq!(Model::from_json(&read.to_json()).unwrap(), read);
+        }
+    }
+}
