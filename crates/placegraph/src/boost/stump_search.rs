@@ -7,12 +7,15 @@
 //!
 //! Weights are integers, multiples of 2⁻⁶⁰: their sums are exact, so equal splits tie exactly and the result depends
 //! neither on the order of the sum nor on the number of threads. Four classes share one pass, because fetching an
-//! example's weights costs more than adding them.
+//! example's weights costs more than adding them. The pass keeps only the largest and smallest sum; where they stand
+//! is looked up afterwards, in the one column that wins.
+#![expect(clippy::inline_always, reason = "only what is inlined is compiled for several instruction sets")]
 
 use rayon::prelude::*;
 
 use super::sorted_table::{NEW_VALUE, SortedTable};
 use super::stump::{DecisionStump, Polarity};
+use crate::scan::Instructions;
 
 /// Classes that share a pass.
 pub(super) const LANES: usize = 4;
@@ -41,82 +44,100 @@ pub(super) struct BestStump {
     pub(super) edge: f64,
 }
 
-/// A split of one column: the first `place` sorted examples against the rest.
-#[derive(Clone, Copy, Debug)]
-struct Split {
-    place: usize,
-    /// r of the stump that says yes below, in units.
-    r: i64,
-}
-
 /// For each of four classes the stump with the largest |r|; ties go to the first column, then to the lowest
-/// threshold. `None` where all features are constant.
+/// threshold. `None` where no stump has another r than 0.
 pub(super) fn best_stumps(sorted: &SortedTable<'_>, weights: &[SignedWeights]) -> [Option<BestStump>; LANES] {
     let n_columns = sorted.table().columns().len();
-    let splits: Vec<_> =
-        (0..n_columns).into_par_iter().map(|column| best_splits(sorted.order(column), weights)).collect();
+    let of_column = |column| {
+        Instructions::default().run(
+            #[inline(always)]
+            || largest_r(sorted.order(column), weights),
+        )
+    };
+    let of_columns: Vec<[i64; LANES]> = (0..n_columns).into_par_iter().map(of_column).collect();
     std::array::from_fn(|lane| {
-        let mut best: Option<(usize, Split)> = None;
-        for (column, split) in splits.iter().enumerate().filter_map(|(c, s)| s[lane].map(|s| (c, s))) {
-            if best.is_none_or(|(_, b)| split.r.abs() > b.r.abs()) {
-                best = Some((column, split));
+        let mut best = (0, 0);
+        for (column, r) in of_columns.iter().enumerate() {
+            if r[lane] > best.1 {
+                best = (column, r[lane]);
             }
         }
-        best.map(|(column, split)| BestStump {
-            column,
-            stump: stump_at(sorted, column, split),
-            edge: split.r.unsigned_abs() as f64 / ONE,
-        })
+        let (column, r) = best;
+        let stump = || stump_with(sorted, column, weights, lane, r);
+        (r > 0).then(|| BestStump { column, stump: stump(), edge: r as f64 / ONE })
     })
 }
 
-/// The split of a sorted column with the largest |r|, for each class.
-fn best_splits(order: &[u32], weights: &[SignedWeights]) -> [Option<Split>; LANES] {
+/// The largest |r| of any split of a sorted column, for each class; 0 if the column is constant.
+#[inline(always)]
+fn largest_r(order: &[u32], weights: &[SignedWeights]) -> [i64; LANES] {
     let mut sum = [0i64; LANES];
     let mut largest = [i64::MIN; LANES];
     let mut smallest = [i64::MAX; LANES];
-    let (mut at_largest, mut at_smallest) = ([0; LANES], [0; LANES]);
-    for (place, &marked) in order.iter().enumerate() {
+    for &marked in order {
         if marked & NEW_VALUE != 0 {
             for lane in 0..LANES {
-                if sum[lane] > largest[lane] {
-                    (largest[lane], at_largest[lane]) = (sum[lane], place);
-                }
-                if sum[lane] < smallest[lane] {
-                    (smallest[lane], at_smallest[lane]) = (sum[lane], place);
-                }
+                largest[lane] = largest[lane].max(sum[lane]);
+                smallest[lane] = smallest[lane].min(sum[lane]);
             }
         }
         let example = &weights[(marked & !NEW_VALUE) as usize];
-        for (sum, weight) in sum.iter_mut().zip(example.0) {
-            *sum += weight;
+        for lane in 0..LANES {
+            // Σ D = 1 is 2⁶⁰ units: no sum wraps.
+            sum[lane] = sum[lane].wrapping_add(example.0[lane]);
         }
     }
     std::array::from_fn(|lane| {
-        if at_largest[lane] == 0 {
-            return None;
-        }
-        let r = |part: i64| part - (sum[lane] - part);
-        let a = Split { place: at_largest[lane], r: r(largest[lane]) };
-        let b = Split { place: at_smallest[lane], r: r(smallest[lane]) };
-        let key = |split: &Split| (split.r.abs(), std::cmp::Reverse(split.place));
-        Some(if key(&a) >= key(&b) { a } else { b })
+        let constant = largest[lane] < smallest[lane];
+        let r = |part: i64| (part - (sum[lane] - part)).abs();
+        if constant { 0 } else { r(largest[lane]).max(r(smallest[lane])) }
     })
 }
 
-/// The stump of a split: its threshold is the midpoint of the two values that the split lies between.
-fn stump_at(sorted: &SortedTable<'_>, column: usize, split: Split) -> DecisionStump {
-    let feature = sorted.table().columns()[column];
-    let (low, high) =
-        (sorted.sorted_value(column, split.place - 1), sorted.sorted_value(column, split.place));
+/// The stump of `column` with the lowest threshold whose |r| is `largest`, which one of them has.
+fn stump_with(
+    sorted: &SortedTable<'_>,
+    column: usize,
+    weights: &[SignedWeights],
+    lane: usize,
+    largest: i64,
+) -> DecisionStump {
+    let weight = |&marked: &u32| weights[(marked & !NEW_VALUE) as usize].0[lane];
+    let order = sorted.order(column);
+    let total: i64 = order.iter().map(weight).sum();
+    let (mut place, mut part, mut r) = (0, 0, 0);
+    while place < order.len() {
+        r = part - (total - part);
+        if order[place] & NEW_VALUE != 0 && r.abs() == largest {
+            break;
+        }
+        part += weight(&order[place]);
+        place += 1;
+    }
+    threshold_at(sorted, column, place, if r >= 0 { Polarity::Below } else { Polarity::Above })
+}
+
+/// The stump that splits a sorted column before `place`: its threshold is the midpoint of the two values there.
+fn threshold_at(sorted: &SortedTable<'_>, column: usize, place: usize, polarity: Polarity) -> DecisionStump {
+    let (low, high) = (sorted.sorted_value(column, place - 1), sorted.sorted_value(column, place));
     let midpoint = f64::midpoint(low.into(), high.into()) as f32;
     // The midpoint of neighbors in `f32` rounds onto one of them; then the one that the strict comparison of
     // Eq. (4.1) keeps on its side is the threshold.
-    if split.r >= 0 {
-        let threshold = if midpoint > low { midpoint } else { high };
-        DecisionStump { feature, threshold, polarity: Polarity::Below }
-    } else {
-        let threshold = if midpoint < high { midpoint } else { low };
-        DecisionStump { feature, threshold, polarity: Polarity::Above }
-    }
+    let threshold = match polarity {
+        Polarity::Below => {
+            if midpoint > low {
+                midpoint
+            } else {
+                high
+            }
+        }
+        Polarity::Above => {
+            if midpoint < high {
+                midpoint
+            } else {
+                low
+            }
+        }
+    };
+    DecisionStump { feature: sorted.table().columns()[column], threshold, polarity }
 }
