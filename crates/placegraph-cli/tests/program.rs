@@ -1,4 +1,5 @@
 //! The program as its users run it: files in, files out, exit status, one clear message for every mistake.
+#![expect(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -56,7 +57,8 @@ fn names(folder: &Path) -> Vec<String> {
 fn one_map_goes_into_the_folder_itself() {
     let out = TempDir::new().unwrap();
     done(&[&"map", &shipped("office/map.yaml"), &"--out", &out.path()]);
-    let contract = ["labels.png", "labels.yaml", "overview.png", "regions.png", "regions.yaml", "topology.json"];
+    let contract =
+        ["labels.png", "labels.yaml", "overview.png", "regions.png", "regions.yaml", "topology.json"];
     assert_eq!(names(out.path()), contract);
     // What it writes, it reads: the label image is a map_server map.
     done(&[&"info", &out.path().join("labels.yaml")]);
@@ -131,8 +133,18 @@ fn a_model_trained_here_labels_and_is_judged() {
         ),
     )
     .unwrap();
-    let report =
-        done(&[&"train", &manifest, &"-o", &model, &"--rounds", &"30", &"--temperature", &"1", &"--max-cells-per-class", &"800"]);
+    let report = done(&[
+        &"train",
+        &manifest,
+        &"-o",
+        &model,
+        &"--rounds",
+        &"30",
+        &"--temperature",
+        &"1",
+        &"--max-cells-per-class",
+        &"800",
+    ]);
     assert!(report.contains("orders of the decision list"), "{report}");
     let folder = out.path().join("out");
     done(&[&"map", &home.join("map.yaml"), &"--model", &model, &"--out", &folder]);
@@ -216,7 +228,16 @@ fn bad_maps_are_refused_and_nothing_is_written() {
     let image = folder.path().join("map.pgm");
     refused(&[&"map", &image, &"--out", &folder.path().join("out")], &["--resolution"]);
     refused(
-        &[&"map", &image, &"--resolution", &"0.05", &"--max-cells", &"15", &"--out", &folder.path().join("out")],
+        &[
+            &"map",
+            &image,
+            &"--resolution",
+            &"0.05",
+            &"--max-cells",
+            &"15",
+            &"--out",
+            &folder.path().join("out"),
+        ],
         &["at most 15 cells"],
     );
 }
@@ -255,7 +276,11 @@ fn a_map_without_free_cells_is_told_and_labeled() {
     let out = folder.path().join("out");
     let output = placegraph(&[&"map", &folder.path().join("map.yaml"), &"--out", &out]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stderr(&output).contains("no cell is free") || stderr(&output).contains("no free cell"), "{}", stderr(&output));
+    assert!(
+        stderr(&output).contains("no cell is free") || stderr(&output).contains("no free cell"),
+        "{}",
+        stderr(&output)
+    );
     let document: serde_json::Value =
         serde_json::from_slice(&fs::read(out.join("topology.json")).unwrap()).unwrap();
     assert_eq!(document["places"].as_array().map(Vec::len), Some(0));

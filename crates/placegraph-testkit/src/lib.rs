@@ -1,4 +1,5 @@
 //! Oracles for the tests: slow, plain and obviously right.
+#![allow(clippy::expect_used, clippy::unwrap_used, reason = "a wrong call of an oracle must stop the test")]
 
 pub mod boost;
 pub mod distance;

@@ -6,7 +6,7 @@ use placegraph::grid::{CellGraph, MapFrame, OccupancyGrid};
 use placegraph::import::image::{Samples, decode};
 use placegraph::import::{LabelCell, LabelCoding, read_labels, read_rooms, ros};
 use placegraph::labels::{Label, LabelSet};
-use placegraph::regions::{Region, RegionId, RegionMap};
+use placegraph::regions::{DiagonalSteps, Region, RegionId, RegionMap};
 use proptest::prelude::*;
 
 fn map() -> OccupancyGrid {
@@ -38,6 +38,7 @@ fn a_region_image_has_16_bits_and_says_when_they_do_not_do() {
     let regions = |n: usize| RegionMap {
         region_of: vec![RegionId(0), RegionId(299), RegionId(1)],
         regions: vec![region; n],
+        diagonal: DiagonalSteps::default(),
     };
     let png = region_png(&graph, &regions(300)).unwrap();
     assert_eq!(read_rooms(&png, (3, 2)).unwrap().values(), [0, 1, 0, 300, 2, 0]);

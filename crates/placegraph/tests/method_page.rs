@@ -1,4 +1,5 @@
 //! `docs/method.md` names every equation of the chapter, with a function and a test that exist.
+#![expect(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::fs;
 use std::path::Path;
