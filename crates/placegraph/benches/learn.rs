@@ -1,6 +1,7 @@
 //! Time of the learning half: boosting, scores of many cells, order search, relaxation.
 //!
 //! `cargo bench -p placegraph --bench learn`
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::hint::black_box;
 

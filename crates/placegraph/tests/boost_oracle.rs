@@ -1,4 +1,5 @@
 //! Boosting against the plain formulas, and its invariances.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use placegraph::boost::{
     CompiledClassifiers, DecisionList, Scores, SortedTable, StrongClassifier, adaboost, search_order,

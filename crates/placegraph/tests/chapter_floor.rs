@@ -3,6 +3,7 @@
 //!
 //! Reads the folder named by `PLACEGRAPH_DATA`; without it the tests are skipped. No setting was chosen by these
 //! results: everything is a default, except that large classes are thinned to keep the test short.
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of tests")]
 
 use std::path::PathBuf;
 

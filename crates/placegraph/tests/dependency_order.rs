@@ -1,4 +1,5 @@
 //! A module uses only what stands to its left in the order that `ARCHITECTURE.md` gives.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
 //! The model file: the same bits after a round trip, and nothing read that is not exactly a model.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use placegraph::boost::{
     CompiledClassifiers, DecisionList, DecisionStump, Polarity, Scores, StrongClassifier, WeightedStump,

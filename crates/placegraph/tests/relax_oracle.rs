@@ -1,4 +1,5 @@
 //! Relaxation against the plain formulas, and its invariances.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use placegraph::grid::{CellGraph, Grid, Occupancy, OccupancyGrid};
 use placegraph::labels::{Label, LabelField};

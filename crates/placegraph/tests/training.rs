@@ -1,4 +1,5 @@
 //! Training on a drawn building.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use placegraph::boost::{CompiledClassifiers, cell_scores};
 use placegraph::grid::{Cell, CellGraph, Grid, OccupancyGrid};

@@ -94,6 +94,6 @@ mod tests {
         let sorted = SortedTable::new(&table, vec![1, 2, 3, 4, 5]);
         // Examples 0 to 4 are 2, 0, -1.5, -0, 2.
         assert_eq!(sorted.order(0), [2, 1 | NEW_VALUE, 3, NEW_VALUE, 4]);
-        assert_eq!(sorted.sorted_value(0, 4), 2.0);
+        assert_eq!(sorted.sorted_value(0, 4).to_bits(), 2.0f32.to_bits());
     }
 }

@@ -325,9 +325,9 @@ mod tests {
 
     #[test]
     fn raw_values_are_per_cent() {
+        use Occupancy::{Free, Occupied, Unknown};
         let raw = Interpretation { mode: Mode::Raw, ..Default::default() };
         let states = [0, 19, 20, 64, 65, 100].map(|value| occupancy(value, &raw));
-        use Occupancy::{Free, Occupied, Unknown};
         assert_eq!(states, [Free, Free, Unknown, Unknown, Occupied, Occupied]);
         assert_eq!(occupancy(-1, &raw), Unknown);
     }

@@ -177,12 +177,12 @@ fn coefficient(p: f64, p_given: f64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "poles of the formula are exact")]
 mod tests {
     use super::*;
     use crate::grid::{Cell, OccupancyGrid};
 
     #[test]
-    #[expect(clippy::float_cmp, reason = "poles of the formula are exact")]
     fn eq_4_8_by_hand_and_at_its_poles() {
         assert!((coefficient(0.25, 0.5) - 2.0 / 3.0).abs() < 1e-15);
         assert!((coefficient(0.5, 0.25) + 0.5).abs() < 1e-15);
