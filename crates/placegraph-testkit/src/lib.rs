@@ -1,1 +1,3 @@
 //! Oracles for the tests: slow, plain and obviously right.
+
+pub mod networks;
