@@ -1,5 +1,20 @@
 //! The simulated laser scan (Sect. 4.4): 360 beams from the center of a free cell.
 
+mod blocks;
+mod cast;
+mod caster;
 mod config;
+mod instructions;
+mod obstacles;
+mod path;
+#[expect(clippy::module_inception, reason = "the module's main type")]
+mod scan;
+mod walk;
 
+pub use blocks::{Block, Run};
+pub use cast::cast;
+pub use caster::{BlockRanges, RayCaster};
 pub use config::{N_BEAMS, ScanConfig, UnknownCells, beam_angle_rad};
+pub use instructions::Instructions;
+pub use path::beam_direction;
+pub use scan::RangeScan;

@@ -1,0 +1,113 @@
+//! Set A: features of the raw beams (appendix A of the book).
+//!
+//! **Deviations.** Relations divide the shorter beam by the longer (A11, A12, A15): the printed d_i / d_{i+1}
+//! is unbounded and not mirror symmetric. Kurtosis is not reduced by 3. Standard deviations divide by n.
+//! A stump cannot tell any of these from the printed form, except the first, which the author's program has.
+
+use super::families::Measure as M;
+use super::lanes::{Lanes, Singles, TINY, mean_and_sd, sum};
+use super::values::{Ranges, Values};
+use crate::scan::N_BEAMS;
+
+/// Members of A3 and A4: cut at 1, 2, …, 10 m.
+const N_CLIPS: usize = 10;
+/// Members of A7 and f33: gaps above 0.5, 1, …, 10 m.
+const N_GAPS: usize = 20;
+/// Members of A15 and f34: relations below 0.1, 0.2, …, 1.
+const N_RELATIONS: usize = 10;
+/// A16 of a scan whose beams differ by less than this is 0.
+const SD_MIN_M: f32 = 1e-9;
+
+/// A1 and A2.
+#[inline(always)]
+pub(super) fn differences(d: &Ranges, values: &mut Values) {
+    let (mean, sd) = mean_and_sd(N_BEAMS, |i| (d[i] - d[i + 1]).abs());
+    values.set(M::MeanDifference, mean);
+    values.set(M::SdDifference, sd);
+}
+
+/// A3 and A4.
+#[inline(always)]
+pub(super) fn clipped_differences(d: &Ranges, values: &mut Values) {
+    let longest = d.iter().fold(Lanes::all(0.0), |a, &b| a.max(b)).largest();
+    let mut uncut = None;
+    for member in 0..N_CLIPS {
+        let limit = Lanes::all((member + 1) as f32);
+        let clipped = |i: usize| (d[i].min(limit) - d[i + 1].min(limit)).abs();
+        // Nothing is cut from here on: the same values again.
+        let (mean, sd) = uncut.unwrap_or_else(|| mean_and_sd(N_BEAMS, clipped));
+        if limit.0[0] >= longest {
+            uncut = Some((mean, sd));
+        }
+        values.set_member(M::MeanClippedDifference, member, mean);
+        values.set_member(M::SdClippedDifference, member, sd);
+    }
+}
+
+/// A5, A6, A13, A14 and A16.
+#[inline(always)]
+pub(super) fn lengths(d: &Ranges, values: &mut Values) {
+    let (mean, sd) = mean_and_sd(N_BEAMS, |i| d[i]);
+    let longest = d.iter().fold(Lanes::all(TINY), |a, &b| a.max(b));
+    values.set(M::MeanLength, mean);
+    values.set(M::SdLength, sd);
+    values.set(M::MeanNormalizedLength, mean / longest);
+    values.set(M::SdNormalizedLength, sd / longest);
+    // Fourth powers of deviations in units of the standard deviation.
+    let divisor = sd.max(Lanes::all(SD_MIN_M));
+    let fourth = sum(N_BEAMS, |i| {
+        let deviation = (d[i] - mean) / divisor;
+        let square = deviation * deviation;
+        square * square
+    });
+    let kurtosis = fourth * (1.0 / N_BEAMS as f32);
+    values.set(M::Kurtosis, kurtosis.zip(sd, |kurtosis, sd| if sd < SD_MIN_M { 0.0 } else { kurtosis }));
+}
+
+/// A7 and f33.
+#[inline(always)]
+pub(super) fn gaps(d: &Ranges, values: &mut Values) {
+    let mut counts: [Singles; N_GAPS] = [Lanes::all(0.0); N_GAPS];
+    for i in 0..N_BEAMS {
+        let difference = (d[i] - d[i + 1]).abs();
+        let largest = difference.largest();
+        for (member, count) in counts.iter_mut().enumerate() {
+            let limit = (member + 1) as f32 / 2.0;
+            if largest <= limit {
+                break;
+            }
+            *count += difference.above(limit);
+        }
+    }
+    for (member, &count) in counts.iter().enumerate() {
+        values.set_member(M::Gaps, member, count);
+        values.set_member(M::GapFraction, member, count * (1.0 / (N_BEAMS - 1) as f32));
+    }
+}
+
+/// A11, A12, A15 and f34.
+#[inline(always)]
+pub(super) fn relations(d: &Ranges, values: &mut Values) {
+    let mut counts: [Singles; N_RELATIONS] = [Lanes::all(0.0); N_RELATIONS];
+    let mut relations = [Lanes::all(0.0); N_BEAMS];
+    let tiny = Lanes::all(TINY);
+    for i in 0..N_BEAMS {
+        let relation = (d[i].min(d[i + 1]) + tiny) / (d[i].max(d[i + 1]) + tiny);
+        relations[i] = relation;
+        let smallest = relation.smallest();
+        for (member, count) in counts.iter_mut().enumerate().rev() {
+            let limit = (member + 1) as f32 / 10.0;
+            if smallest >= limit {
+                break;
+            }
+            *count += relation.below(limit);
+        }
+    }
+    let (mean, sd) = mean_and_sd(N_BEAMS, |i| relations[i]);
+    values.set(M::MeanRelation, mean);
+    values.set(M::SdRelation, sd);
+    for (member, &count) in counts.iter().enumerate() {
+        values.set_member(M::RelativeGaps, member, count);
+        values.set_member(M::RelativeGapFraction, member, count * (1.0 / (N_BEAMS - 1) as f32));
+    }
+}

@@ -1,0 +1,219 @@
+//! B6 to B9: Fourier coefficients of the polygon's boundary, a closed polyline over its arc length.
+//!
+//! ```text
+//! c_k = L / (2πk)² · S_k,   S_k = Σ_j (u_{j−1} − u_j) exp(−i k θ_j),   θ_j = 2π t_j / L
+//! ```
+//! with unit edge directions u_j and arc lengths t_j of the vertices: the exact coefficients of the polyline,
+//! not a transform of the vertices. A vertex at an edge of length 0 drops out of the sum.
+//!
+//! Harmonics are written k = 11 a ± b, b ≤ 5: with z_a = (u_{j−1} − u_j) exp(−11 i a θ_j), the four real sums
+//! of z_a's components times cos bθ_j and sin bθ_j give S_{11a+b} and S_{11a−b} together. That is half the
+//! work of a recurrence over k, and products of powers lose fewer digits. Cost: 4 · 360 operations per
+//! harmonic, only in the rows a that are asked for.
+
+use super::families::{MAX_HARMONIC, Measure as M};
+use super::lanes::{Doubles, Lanes, Singles, TINY};
+use super::polygon::{Directions, Outline};
+use super::values::{Ranges, Values};
+use crate::scan::N_BEAMS;
+
+/// Largest b.
+const B: usize = 5;
+/// Step of k from row to row.
+const ROW: usize = 2 * B + 1;
+/// Rows, so that all harmonics up to [`MAX_HARMONIC`] are reached.
+pub(super) const N_ROWS: usize = (MAX_HARMONIC + B) / ROW + 1;
+/// Vertices that are worked on together, in the first-level cache.
+const CHUNK: usize = 24;
+
+/// The row of harmonic `k`.
+pub(super) fn row_of(k: usize) -> usize {
+    (k + B) / ROW
+}
+
+/// Σ z, and for b = 1 … 5: Σ Re z cos bθ, Σ Im z cos bθ, Σ Re z sin bθ, Σ Im z sin bθ.
+#[derive(Clone, Copy)]
+struct Row {
+    constant: [Singles; 2],
+    products: [[Singles; 4]; B],
+}
+
+const ZERO: Singles = Lanes([0.0; super::lanes::WIDTH]);
+
+/// cos bθ and sin bθ, b = 1 … 5.
+type Powers = [[Singles; 2]; B];
+
+/// B6 for the harmonics in `rows`, and B7 to B9 (row 0).
+#[inline(always)]
+pub(super) fn fourier(
+    d: &Ranges,
+    directions: &Directions,
+    outline: &Outline,
+    rows: &[bool; N_ROWS],
+    values: &mut Values,
+) {
+    let sums = row_sums(d, directions, outline, rows);
+    let (first, before) = sums[0].at(1);
+    let scale = outline.perimeter * (1.0 / (4.0 * std::f32::consts::PI * std::f32::consts::PI));
+    let (c1, c_1) = (first * scale, before * scale);
+    let (major, minor) = (c1 + c_1, (c1 - c_1).abs());
+    let q = before / (first + Lanes::all(TINY));
+    let one = Lanes::all(1.0);
+    let mut set = |measure, member, value| values.set_member(measure, member, outline.or_zero(value));
+    set(M::MajorAxis, 0, major);
+    set(M::MinorAxis, 0, minor);
+    set(M::AxisRatio, 0, minor / (major + Lanes::all(TINY)));
+    set(M::DescriptorMajorAxis, 0, one + q);
+    set(M::DescriptorMinorAxis, 0, (one - q).abs());
+    set(M::DescriptorAxisRatio, 0, (one - q).abs() / (one + q));
+    for k in (2..=MAX_HARMONIC).filter(|&k| rows[row_of(k)]) {
+        let (row, b) = (row_of(k), (k + B) % ROW);
+        let magnitude = if b >= B { sums[row].at(b - B).0 } else { sums[row].at(B - b).1 };
+        let ratio = magnitude / (first + Lanes::all(TINY)) * (1.0 / (k * k) as f32);
+        set(M::Fourier, k - 2, ratio);
+    }
+}
+
+impl Row {
+    const ZERO: Self = Self { constant: [ZERO; 2], products: [[ZERO; 4]; B] };
+
+    /// |S_{11a+b}| and |S_{11a−b}|.
+    #[inline(always)]
+    fn at(&self, b: usize) -> (Singles, Singles) {
+        let length = |re: Singles, im: Singles| (re * re + im * im).sqrt();
+        if b == 0 {
+            let magnitude = length(self.constant[0], self.constant[1]);
+            return (magnitude, magnitude);
+        }
+        // exp(−ibθ) = cos bθ − i sin bθ.
+        let [re_cos, im_cos, re_sin, im_sin] = self.products[b - 1];
+        (length(re_cos + im_sin, im_cos - re_sin), length(re_cos - im_sin, im_cos + re_sin))
+    }
+
+    /// Adds vertices with weights `z`.
+    #[inline(always)]
+    fn add(&mut self, z: &[[Singles; 2]; CHUNK], powers: &[Powers; CHUNK]) {
+        let mut sums = *self;
+        for (z, powers) in z.iter().zip(powers) {
+            sums.constant[0] += z[0];
+            sums.constant[1] += z[1];
+            for (sums, [cos, sin]) in sums.products.iter_mut().zip(powers) {
+                sums[0] += z[0] * *cos;
+                sums[1] += z[1] * *cos;
+                sums[2] += z[0] * *sin;
+                sums[3] += z[1] * *sin;
+            }
+        }
+        *self = sums;
+    }
+}
+
+#[inline(always)]
+fn row_sums(d: &Ranges, directions: &Directions, outline: &Outline, rows: &[bool; N_ROWS]) -> [Row; N_ROWS] {
+    let n_rows = rows.iter().rposition(|&wanted| wanted).map_or(1, |last| last + 1);
+    let mut sums = [Row::ZERO; N_ROWS];
+    let mut arc: Doubles = Lanes::all(0.0);
+    let turns_per_meter = Lanes::all(1.0)
+        / outline.edges.iter().fold(Lanes::all(1e-300), |length, edge| length + edge.double());
+    let mut u_before = direction(d, directions, outline, N_BEAMS - 1);
+    for start in (0..N_BEAMS).step_by(CHUNK) {
+        let mut z = [[ZERO; 2]; CHUNK];
+        let mut powers = [[[ZERO; 2]; B]; CHUNK];
+        let mut row_step = [[ZERO; 2]; CHUNK];
+        for (i, vertex) in (start..start + CHUNK).enumerate() {
+            let u = direction(d, directions, outline, vertex);
+            z[i] = [u_before[0] - u[0], u_before[1] - u[1]];
+            u_before = u;
+            let one = cos_sin((arc * turns_per_meter).single());
+            arc += outline.edges[vertex].double();
+            let two = product(one, one);
+            let three = product(two, one);
+            let five = product(three, two);
+            powers[i] = [one, two, three, product(two, two), five];
+            let eleven = product(product(five, five), one);
+            row_step[i] = [eleven[0], -eleven[1]];
+        }
+        for row in 0..n_rows {
+            if rows[row] || row == 0 {
+                sums[row].add(&z, &powers);
+            }
+            if row + 1 < n_rows {
+                for (z, step) in z.iter_mut().zip(&row_step) {
+                    *z = product(*z, *step);
+                }
+            }
+        }
+    }
+    sums
+}
+
+/// Unit direction of the edge from `vertex` to the next; 0 for an edge of length 0.
+///
+/// Worked out in the frame of the beam, where only lengths of neighboring beams are subtracted.
+#[inline(always)]
+fn direction(d: &Ranges, directions: &Directions, outline: &Outline, vertex: usize) -> [Singles; 2] {
+    let (one, next) = (d[vertex], d[vertex + 1]);
+    let (sin, half) = (1f64.to_radians().sin() as f32, 0.5f64.to_radians().sin());
+    let scale = Lanes::all(1.0) / outline.edges[vertex].max(Lanes::all(TINY));
+    let along = ((next - one) - next * (2.0 * half * half) as f32) * scale;
+    let across = next * sin * scale;
+    let (cos, sin) = (directions.cos[vertex], directions.sin[vertex]);
+    [along * cos - across * sin, along * sin + across * cos]
+}
+
+/// Product of two complex numbers.
+#[inline(always)]
+fn product(z: [Singles; 2], w: [Singles; 2]) -> [Singles; 2] {
+    [z[0] * w[0] - z[1] * w[1], z[0] * w[1] + z[1] * w[0]]
+}
+
+/// cos 2πx and sin 2πx for 0 ≤ x ≤ 1, within 2e-7: a polynomial in the eighth of a turn around the nearest
+/// quarter.
+#[inline(always)]
+fn cos_sin(x: Singles) -> [Singles; 2] {
+    // Adding this leaves the nearest whole number in the lowest bits.
+    const ROUND: f32 = 12_582_912.0;
+    let rounded = x.map(|x| x * 4.0 + ROUND);
+    let angle = x.zip(rounded, |x, rounded| (x - (rounded - ROUND) * 0.25) * std::f32::consts::TAU);
+    let square = angle * angle;
+    let polynomial = |coefficients: [f32; 3]| {
+        let [a, b, c] = coefficients.map(Lanes::all);
+        (a * square + b) * square + c
+    };
+    // Minimax polynomials on ±π/4.
+    let sin = polynomial([-1.951_529_6e-4, 8.332_161e-3, -1.666_665_5e-1]) * square * angle + angle;
+    let cos = polynomial([2.443_315_7e-5, -1.388_731_6e-3, 4.166_664_6e-2]) * square * square;
+    let cos = cos - square * 0.5 + Lanes::all(1.0);
+    let quarter = rounded.map(f32::to_bits);
+    let swap = |one: Singles, other: Singles| {
+        let both = one.zip(other, |one, other| (one, other));
+        both.zip(quarter, |(one, other), q| if q & 1 == 0 { one } else { other })
+    };
+    let signed = |value: Singles, minus: fn(u32) -> u32| {
+        value.zip(quarter, move |value, q| f32::from_bits(value.to_bits() ^ minus(q) << 31))
+    };
+    // Quarter q: cos is cos, −sin, −cos, sin; sin is sin, cos, −sin, −cos.
+    [signed(swap(cos, sin), |q| q + 1 >> 1 & 1), signed(swap(sin, cos), |q| q >> 1 & 1)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cos_sin_over_a_turn() {
+        for step in 0..=100_000 {
+            let x = step as f32 / 100_000.0;
+            let [cos, sin] = cos_sin(Lanes::all(x));
+            let angle = f64::from(x) * std::f64::consts::TAU;
+            assert!((f64::from(cos.0[0]) - angle.cos()).abs() < 2e-7, "cos at {x}");
+            assert!((f64::from(sin.0[0]) - angle.sin()).abs() < 2e-7, "sin at {x}");
+        }
+    }
+
+    #[test]
+    fn every_harmonic_has_its_row() {
+        assert_eq!((row_of(1), row_of(5), row_of(6), row_of(16), row_of(17)), (0, 0, 1, 1, 2));
+        assert_eq!(row_of(MAX_HARMONIC), N_ROWS - 1);
+    }
+}

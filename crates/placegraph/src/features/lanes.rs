@@ -1,0 +1,187 @@
+//! Values of neighboring cells side by side: the compiler turns each operation into a few vector instructions.
+
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
+
+/// Cells that are measured together: one 512-bit register of `f32`.
+pub(super) const WIDTH: usize = 16;
+
+/// One value for each of [`WIDTH`] cells.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(align(64))]
+pub(super) struct Lanes<T>(pub(super) [T; WIDTH]);
+
+/// Single precision, for nearly everything.
+pub(super) type Singles = Lanes<f32>;
+/// Double precision, for sums that cancel.
+pub(super) type Doubles = Lanes<f64>;
+
+/// Added to divisors that may be 0; far below any length or area of a scan.
+pub(super) const TINY: f32 = 1e-30;
+
+impl<T: Copy> Lanes<T> {
+    /// The same value for every cell.
+    #[inline(always)]
+    pub(super) fn all(value: T) -> Self {
+        Self([value; WIDTH])
+    }
+
+    #[inline(always)]
+    pub(super) fn map<U: Copy + Default>(self, f: impl Fn(T) -> U) -> Lanes<U> {
+        let mut out = [U::default(); WIDTH];
+        for lane in 0..WIDTH {
+            out[lane] = f(self.0[lane]);
+        }
+        Lanes(out)
+    }
+
+    #[inline(always)]
+    pub(super) fn zip<U: Copy, V: Copy + Default>(self, other: Lanes<U>, f: impl Fn(T, U) -> V) -> Lanes<V> {
+        let mut out = [V::default(); WIDTH];
+        for lane in 0..WIDTH {
+            out[lane] = f(self.0[lane], other.0[lane]);
+        }
+        Lanes(out)
+    }
+}
+
+impl Singles {
+    #[inline(always)]
+    pub(super) fn min(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a < b { a } else { b })
+    }
+
+    #[inline(always)]
+    pub(super) fn max(self, other: Self) -> Self {
+        self.zip(other, |a, b| if a > b { a } else { b })
+    }
+
+    #[inline(always)]
+    pub(super) fn abs(self) -> Self {
+        self.map(f32::abs)
+    }
+
+    #[inline(always)]
+    pub(super) fn sqrt(self) -> Self {
+        self.map(f32::sqrt)
+    }
+
+    #[inline(always)]
+    pub(super) fn double(self) -> Doubles {
+        self.map(f64::from)
+    }
+
+    /// 1 where the value is below `limit`, else 0.
+    #[inline(always)]
+    pub(super) fn below(self, limit: f32) -> Self {
+        self.map(|value| if value < limit { 1.0 } else { 0.0 })
+    }
+
+    /// 1 where the value is above `limit`, else 0.
+    #[inline(always)]
+    pub(super) fn above(self, limit: f32) -> Self {
+        self.map(|value| if value > limit { 1.0 } else { 0.0 })
+    }
+
+    /// The largest value.
+    #[inline(always)]
+    pub(super) fn largest(self) -> f32 {
+        self.0.iter().fold(f32::NEG_INFINITY, |a, &b| if a > b { a } else { b })
+    }
+
+    /// The smallest value.
+    #[inline(always)]
+    pub(super) fn smallest(self) -> f32 {
+        self.0.iter().fold(f32::INFINITY, |a, &b| if a < b { a } else { b })
+    }
+}
+
+impl Doubles {
+    #[inline(always)]
+    pub(super) fn single(self) -> Singles {
+        self.map(|value| value as f32)
+    }
+}
+
+impl<T: Copy + Default + Add<Output = T>> Add for Lanes<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |a, b| a + b)
+    }
+}
+
+impl<T: Copy + Default + Add<Output = T>> AddAssign for Lanes<T> {
+    #[inline(always)]
+    fn add_assign(&mut self, other: Self) {
+        *self = *self + other;
+    }
+}
+
+impl<T: Copy + Default + Sub<Output = T>> Sub for Lanes<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |a, b| a - b)
+    }
+}
+
+impl<T: Copy + Default + Mul<Output = T>> Mul for Lanes<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, |a, b| a * b)
+    }
+}
+
+impl<T: Copy + Default + Mul<Output = T>> Mul<T> for Lanes<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, factor: T) -> Self {
+        self.map(|value| value * factor)
+    }
+}
+
+impl<T: Copy + Default + Div<Output = T>> Div for Lanes<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, |a, b| a / b)
+    }
+}
+
+impl<T: Copy + Default + Neg<Output = T>> Neg for Lanes<T> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|value| -value)
+    }
+}
+
+/// Σ f(i) over `n` (a multiple of 4), in four interleaved sums: faster, and rounds less than one.
+#[inline(always)]
+pub(super) fn sum<T>(n: usize, f: impl Fn(usize) -> Lanes<T>) -> Lanes<T>
+where
+    T: Copy + Default + Add<Output = T>,
+{
+    let mut sums = [Lanes::all(T::default()); 4];
+    for start in (0..n).step_by(4) {
+        for (part, sum) in sums.iter_mut().enumerate() {
+            *sum += f(start + part);
+        }
+    }
+    (sums[0] + sums[1]) + (sums[2] + sums[3])
+}
+
+/// Mean and population standard deviation of f(i) over `n` (a multiple of 4).
+///
+/// Two passes, the first relative to f(0): equal values have exactly their mean, and deviation 0.
+#[inline(always)]
+pub(super) fn mean_and_sd(n: usize, f: impl Fn(usize) -> Singles) -> (Singles, Singles) {
+    let first = f(0);
+    let mean = first + sum(n, |i| f(i) - first) * (1.0 / n as f32);
+    let variance = sum(n, |i| {
+        let deviation = f(i) - mean;
+        deviation * deviation
+    });
+    (mean, (variance * (1.0 / n as f32)).sqrt())
+}

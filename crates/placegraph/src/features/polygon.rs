@@ -1,0 +1,99 @@
+//! Set B: measures of the polygon of the beams' end points (appendix B of the book), in polar form.
+//!
+//! Neighboring beams enclose the same angle, so products of their lengths replace differences of coordinates
+//! and nothing cancels: x_i y_{i+1} − x_{i+1} y_i = d_i d_{i+1} sin 1°, and the squared length of an edge is
+//! (d_i − d_{i+1})² + d_i d_{i+1} (2 sin ½°)².
+
+use std::f32::consts::PI;
+
+use super::families::Measure as M;
+use super::lanes::{Lanes, Singles, TINY, mean_and_sd, sum};
+use super::values::{Ranges, Values};
+use crate::scan::{N_BEAMS, beam_direction};
+
+/// A polygon with less area (m²) or perimeter (m) is a point: all of set B is 0.
+const DEGENERATE: f32 = 1e-9;
+
+/// Sine and cosine of beams, once around and the first again.
+pub(super) struct Directions {
+    pub(super) cos: [f32; N_BEAMS + 1],
+    pub(super) sin: [f32; N_BEAMS + 1],
+}
+
+impl Directions {
+    pub(super) fn new() -> Self {
+        Self {
+            cos: std::array::from_fn(|beam| beam_direction(beam).x as f32),
+            sin: std::array::from_fn(|beam| beam_direction(beam).y as f32),
+        }
+    }
+}
+
+/// Area and perimeter, which the other measures need.
+pub(super) struct Outline {
+    pub(super) area: Singles,
+    pub(super) perimeter: Singles,
+    /// Length of the edge from vertex i to i + 1.
+    pub(super) edges: [Singles; N_BEAMS],
+}
+
+impl Outline {
+    #[inline(always)]
+    pub(super) fn new(d: &Ranges) -> Self {
+        let [sector, chord] = [sin_deg(1.0), 4.0 * sin_deg(0.5) * sin_deg(0.5)];
+        let mut edges = [Lanes::all(0.0); N_BEAMS];
+        for i in 0..N_BEAMS {
+            let difference = d[i] - d[i + 1];
+            edges[i] = (difference * difference + d[i] * d[i + 1] * chord).sqrt();
+        }
+        let area = sum(N_BEAMS, |i| d[i] * d[i + 1]) * (0.5 * sector);
+        Self { area, perimeter: sum(N_BEAMS, |i| edges[i]), edges }
+    }
+
+    /// `value`, or 0 where the polygon is a point.
+    #[inline(always)]
+    pub(super) fn or_zero(&self, value: Singles) -> Singles {
+        let size = self.area.min(self.perimeter);
+        value.zip(size, |value, size| if size <= DEGENERATE { 0.0 } else { value })
+    }
+}
+
+fn sin_deg(degrees: f64) -> f32 {
+    degrees.to_radians().sin() as f32
+}
+
+/// B1, B2, B3, B13, B14 and B15.
+#[inline(always)]
+pub(super) fn areas(outline: &Outline, values: &mut Values) {
+    let (area, perimeter) = (outline.area, outline.perimeter);
+    let mut set = |measure, value| values.set(measure, outline.or_zero(value));
+    set(M::Area, area);
+    set(M::Perimeter, perimeter);
+    set(M::AreaOverPerimeter, area / perimeter);
+    set(M::FormFactor, area * (4.0 * PI) / perimeter.sqrt());
+    set(M::Circularity, perimeter * perimeter / area);
+    set(M::NormalizedCircularity, area * (4.0 * PI) / (perimeter * perimeter));
+}
+
+/// B4, B5, B16 and B17.
+#[inline(always)]
+pub(super) fn radii(d: &Ranges, directions: &Directions, outline: &Outline, values: &mut Values) {
+    let Directions { cos, sin } = directions;
+    // The centroid: triangles from the robot, each weighted by its area.
+    let weight = outline.area.map(|area| sin_deg(1.0) / (6.0 * area).max(TINY));
+    let centroid_x = sum(N_BEAMS, |i| (d[i] * cos[i] + d[i + 1] * cos[i + 1]) * (d[i] * d[i + 1])) * weight;
+    let centroid_y = sum(N_BEAMS, |i| (d[i] * sin[i] + d[i + 1] * sin[i + 1]) * (d[i] * d[i + 1])) * weight;
+    let mut radii = [Lanes::all(0.0); N_BEAMS];
+    let mut largest = Lanes::all(TINY);
+    for i in 0..N_BEAMS {
+        let (x, y) = (d[i] * cos[i] - centroid_x, d[i] * sin[i] - centroid_y);
+        radii[i] = (x * x + y * y).sqrt();
+        largest = largest.max(radii[i]);
+    }
+    let (mean, sd) = mean_and_sd(N_BEAMS, |i| radii[i]);
+    let mut set = |measure, value| values.set(measure, outline.or_zero(value));
+    set(M::MeanRadius, mean);
+    set(M::SdRadius, sd);
+    set(M::MeanNormalizedRadius, mean / largest);
+    set(M::SdNormalizedRadius, sd / largest);
+}

@@ -1,0 +1,173 @@
+//! The registry of features: one table drives files, documentation, the engine's plan and the property tests.
+
+use std::sync::LazyLock;
+
+use super::FeatureId;
+use super::families::{FAMILIES, Family, Measure};
+
+/// How a value changes when all ranges are multiplied by s (Sect. 4.8.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// Not at all.
+    Invariant,
+    /// By a factor of s to this power.
+    Power(f64),
+    /// The quantity behind it by a factor of s to this power; the value is stored in decades and gains
+    /// power · log10 s, towards its sign, while it is far from 0.
+    Decades(f64),
+    /// By no law: the formula has a length of fixed size.
+    FixedLength,
+}
+
+/// One feature: a function of a scan with 360 ranges in meters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feature {
+    /// Its position in the registry.
+    pub id: FeatureId,
+    /// Its name in files: the book's number where there is one (`A1`, `A3(2)`, `B6(12)`), else the name in
+    /// the author's program (`f33(0.5)`, `f17_2`).
+    pub name: String,
+    /// Set and number in appendices A and B of the book.
+    pub book: Option<&'static str>,
+    /// Name in the author's program.
+    pub code: Option<&'static str>,
+    /// The parameter in parentheses.
+    pub parameter: Option<f64>,
+    /// What it measures.
+    pub description: &'static str,
+    /// Its formula, in the symbols of `docs/features.md`.
+    pub formula: &'static str,
+    /// Unit of the value.
+    pub unit: &'static str,
+    /// What scaling does to it.
+    pub scale: Scale,
+    /// Whether turning the robot (a cyclic shift of the beams) leaves it unchanged.
+    pub rotation_invariant: bool,
+    /// Whether mirroring the building leaves it unchanged.
+    pub mirror_invariant: bool,
+    pub(super) measure: Measure,
+}
+
+static REGISTRY: LazyLock<Vec<Feature>> = LazyLock::new(|| {
+    let members = FAMILIES.iter().flat_map(|family| members(family).map(move |member| (family, member)));
+    members.enumerate().map(|(id, (family, parameter))| feature(id, family, parameter)).collect()
+});
+
+/// The parameters of `family`, or one `None` for a family of one.
+fn members(family: &Family) -> impl Iterator<Item = Option<f64>> + use<> {
+    let range = family.parameters.map_or(0..=0, |steps| steps.first..=steps.last);
+    let divisor = family.parameters.map(|steps| f64::from(steps.divisor));
+    range.map(move |step| divisor.map(|divisor| f64::from(step) / divisor))
+}
+
+fn feature(id: usize, family: &'static Family, parameter: Option<f64>) -> Feature {
+    let stem = if family.book.is_empty() { family.code } else { family.book };
+    Feature {
+        id: FeatureId(id as u16),
+        name: parameter.map_or_else(|| stem.to_owned(), |value| format!("{stem}({value})")),
+        book: Some(family.book).filter(|name| !name.is_empty()),
+        code: Some(family.code).filter(|name| !name.is_empty()),
+        parameter,
+        description: family.description,
+        formula: family.formula,
+        unit: family.unit,
+        scale: family.scale,
+        rotation_invariant: true,
+        mirror_invariant: family.mirror_invariant,
+        measure: family.measure,
+    }
+}
+
+/// All features, in the order of their [`FeatureId`]s.
+pub fn registry() -> &'static [Feature] {
+    &REGISTRY
+}
+
+impl FeatureId {
+    /// The feature called `name` in files.
+    ///
+    /// # Examples
+    /// ```
+    /// use placegraph::features::FeatureId;
+    ///
+    /// let gaps = FeatureId::from_name("A7(0.5)").unwrap();
+    /// assert_eq!(gaps.feature().unit, "beams");
+    /// assert_eq!(FeatureId::from_name("A99"), None);
+    /// ```
+    pub fn from_name(name: &str) -> Option<Self> {
+        registry().iter().find(|feature| feature.name == name).map(|feature| feature.id)
+    }
+
+    /// The registry's entry.
+    ///
+    /// # Panics
+    /// If the registry has no such position.
+    pub fn feature(self) -> &'static Feature {
+        &registry()[usize::from(self.0)]
+    }
+}
+
+/// Every feature of the registry: the union of [`freiburg203`] and [`chapter183`].
+pub fn all() -> Vec<FeatureId> {
+    select(|_| true)
+}
+
+/// The 203 features of the author's program, which the chapter's experiments count.
+pub fn freiburg203() -> Vec<FeatureId> {
+    select(in_freiburg203)
+}
+
+/// The 183 features that have a number in appendices A and B of the book.
+pub fn chapter183() -> Vec<FeatureId> {
+    select(|feature| feature.book.is_some())
+}
+
+/// The 152 features of Sect. 3.4, with which Table 4.1 compares: those of [`freiburg203`] that existed before
+/// the relations and normalized measures were added.
+pub fn old152() -> Vec<FeatureId> {
+    select(|feature| in_freiburg203(feature) && !is_added(feature))
+}
+
+fn select(wanted: impl Fn(&Feature) -> bool) -> Vec<FeatureId> {
+    registry().iter().filter(|feature| wanted(feature)).map(|feature| feature.id).collect()
+}
+
+fn in_freiburg203(feature: &Feature) -> bool {
+    use Measure::{BeamsOnLines, Circularity, FormFactor, SdClippedDifference};
+    !matches!(feature.measure, SdClippedDifference | BeamsOnLines | FormFactor | Circularity)
+}
+
+/// Whether the author's program calls the feature f27 to f34, or ends its name in `_2`.
+fn is_added(feature: &Feature) -> bool {
+    let code = feature.code.unwrap_or_default();
+    let number = code.trim_start_matches('f').split('_').next().and_then(|digits| digits.parse().ok());
+    code.ends_with("_2") || number.is_some_and(|number: u32| (27..=34).contains(&number))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sets_have_the_published_sizes() {
+        assert_eq!(freiburg203().len(), 203);
+        assert_eq!(chapter183().len(), 183);
+        assert_eq!(old152().len(), 152);
+        assert_eq!(all().len(), 216);
+    }
+
+    #[test]
+    fn names_are_unique_and_lead_back() {
+        for feature in registry() {
+            assert_eq!(FeatureId::from_name(&feature.name), Some(feature.id));
+            assert_eq!(feature.id.feature(), feature);
+        }
+    }
+
+    #[test]
+    fn parameters_are_written_as_in_the_book() {
+        for name in ["A1", "A3(2)", "A7(0.5)", "A15(0.3)", "B6(100)", "B10(3)", "f17_2", "f33(0.5)"] {
+            assert!(FeatureId::from_name(name).is_some(), "{name}");
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The walk of a whole block of beams of one direction, one bit per beam.
+
+use super::obstacles::{Obstacles, Offset, ROWS, STRIDE, WORD};
+
+/// Cells of a block.
+pub(super) const LANES: usize = ROWS * WORD;
+/// Bits of a step count.
+const PLANES: usize = u16::BITS as usize;
+/// Longest path: step counts have 16 bits.
+pub(super) const MAX_STEPS: usize = u16::MAX as usize;
+
+/// One bit for every cell of a block.
+type Plane = [u64; ROWS];
+
+/// The cells that beams of one direction enter, as displacements.
+#[derive(Clone, Debug)]
+pub(super) struct Path {
+    pub(super) cells: Vec<Offset>,
+    /// Only for diagonal beams: the two cells beside each corner that they run through.
+    pub(super) beside: Vec<[Offset; 2]>,
+}
+
+/// Number of cells of `path` that the beam of every cell enters before one stops it; row-major in the block.
+///
+/// `position` is that of the block's words, `wanted` the cells to start from; the others count 0. Cost: about
+/// 12 vector instructions per step of the longest beam.
+#[inline(always)]
+pub(super) fn count_steps(
+    obstacles: &Obstacles,
+    position: usize,
+    wanted: &Plane,
+    path: &Path,
+) -> [u16; LANES] {
+    let planes = if path.beside.is_empty() {
+        let (chunks, rest) = path.cells.as_chunks::<STRIDE>();
+        walk(wanted, chunks, rest, |&cell| obstacles.around(position, cell))
+    } else {
+        let steps: Vec<_> = path.cells.iter().zip(&path.beside).collect();
+        let (chunks, rest) = steps.as_chunks::<STRIDE>();
+        walk(wanted, chunks, rest, |&(&cell, &[one, other])| {
+            let (one, other) = (obstacles.around(position, one), obstacles.around(position, other));
+            let ahead = obstacles.around(position, cell);
+            std::array::from_fn(|row| ahead[row] | one[row] & other[row])
+        })
+    };
+    numbers(&planes)
+}
+
+/// Counts for every bit the steps it survives, as bit planes: plane p is bit p of the count.
+///
+/// A beam that ends stays ended, so its count reaches a multiple of 2^p exactly when it survives that step:
+/// plane p changes only at multiples of 2^p.
+#[inline(always)]
+fn walk<T>(
+    wanted: &Plane,
+    chunks: &[[T; STRIDE]],
+    rest: &[T],
+    stops: impl Fn(&T) -> Plane,
+) -> [Plane; PLANES] {
+    let mut planes = [[0; ROWS]; PLANES];
+    let mut alive = *wanted;
+    // The three planes that change within a chunk stay in registers.
+    let [mut ones, mut twos, mut fours] = [[0; ROWS]; 3];
+    let mut step = |alive: &mut Plane, number: usize, cell: &T| {
+        clear(alive, &stops(cell));
+        flip(&mut ones, alive);
+        if number % 2 == 0 {
+            flip(&mut twos, alive);
+        }
+        if number % 4 == 0 {
+            flip(&mut fours, alive);
+        }
+    };
+    let mut ended = false;
+    for (chunk, cells) in chunks.iter().enumerate() {
+        for (index, cell) in cells.iter().enumerate() {
+            step(&mut alive, index + 1, cell);
+        }
+        let number = (chunk + 1) * STRIDE;
+        for plane in &mut planes[STRIDE.trailing_zeros() as usize..=number.trailing_zeros() as usize] {
+            flip(plane, &alive);
+        }
+        if alive.iter().fold(0, |any, row| any | row) == 0 {
+            ended = true;
+            break;
+        }
+    }
+    if !ended {
+        for (index, cell) in rest.iter().enumerate() {
+            step(&mut alive, index + 1, cell);
+        }
+    }
+    [planes[0], planes[1], planes[2]] = [ones, twos, fours];
+    planes
+}
+
+#[inline(always)]
+fn clear(plane: &mut Plane, bits: &Plane) {
+    for row in 0..ROWS {
+        plane[row] &= !bits[row];
+    }
+}
+
+#[inline(always)]
+fn flip(plane: &mut Plane, bits: &Plane) {
+    for row in 0..ROWS {
+        plane[row] ^= bits[row];
+    }
+}
+
+/// Bit planes as numbers.
+#[inline(always)]
+fn numbers(planes: &[Plane; PLANES]) -> [u16; LANES] {
+    let (low, high) = planes.split_at(PLANES / 2);
+    let (low, high) = (bytes(low), bytes(high));
+    let mut numbers = [0; LANES];
+    for (byte, (low, high)) in low.iter().zip(&high).enumerate() {
+        for row in 0..ROWS {
+            let at = row * WORD + byte * 8;
+            let (low, high) = (low[row].to_le_bytes(), high[row].to_le_bytes());
+            for (bit, number) in numbers[at..at + 8].iter_mut().enumerate() {
+                *number = u16::from_le_bytes([low[bit], high[bit]]);
+            }
+        }
+    }
+    numbers
+}
+
+/// Eight bit planes as bytes: byte l of word b is the number in bit 8 b + l of the planes.
+#[inline(always)]
+fn bytes(planes: &[Plane]) -> [Plane; 8] {
+    let mut words: [Plane; 8] = std::array::from_fn(|plane| planes[plane]);
+    // Transpose the 8 × 8 bytes of the words of a row: blocks of 4, of 2, of 1.
+    for (step, mask) in [(4, 0x0000_0000_FFFF_FFFF), (2, 0x0000_FFFF_0000_FFFF), (1, 0x00FF_00FF_00FF_00FF)] {
+        for one in (0..8).filter(|word| word & step == 0) {
+            for row in 0..ROWS {
+                let changed = (words[one][row] >> (8 * step) ^ words[one + step][row]) & mask;
+                words[one + step][row] ^= changed;
+                words[one][row] ^= changed << (8 * step);
+            }
+        }
+    }
+    // Transpose the 8 × 8 bits of every word: blocks of 1, of 2, of 4.
+    for (shift, mask) in
+        [(7, 0x00AA_00AA_00AA_00AA), (14, 0x0000_CCCC_0000_CCCC), (28, 0x0000_0000_F0F0_F0F0)]
+    {
+        for word in words.as_flattened_mut() {
+            let changed = (*word ^ *word >> shift) & mask;
+            *word ^= changed ^ changed << shift;
+        }
+    }
+    words
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_are_the_bits_of_numbers() {
+        let expected: [u16; LANES] = std::array::from_fn(|lane| (lane * 2_654_435_761 % 65_536) as u16);
+        let mut planes = [[0; ROWS]; PLANES];
+        for (lane, number) in expected.iter().enumerate() {
+            for (bit, plane) in planes.iter_mut().enumerate() {
+                plane[lane / WORD] |= u64::from(number >> bit & 1) << (lane % WORD);
+            }
+        }
+        assert_eq!(numbers(&planes), expected);
+    }
+}
