@@ -16,7 +16,7 @@ fn random_cut<const D: usize>(
     height: u32,
     connectivity: Connectivity,
     seed: u64,
-) -> (GridCut<D>, DiGraph<(), i64>, [NodeIndex; 2]) {
+) -> (GridCut<D>, DiGraph<(), u32>, [NodeIndex; 2]) {
     let mut cut = GridCut::<D>::new(width, height);
     let mut graph = DiGraph::new();
     let [source, sink] = [graph.add_node(()), graph.add_node(())];
@@ -31,15 +31,15 @@ fn random_cut<const D: usize>(
         let excess = random(41) - 20;
         cut.add_excess(cut.position(cell), excess);
         match excess {
-            1.. => graph.add_edge(source, nodes[i], i64::from(excess)),
-            _ => graph.add_edge(nodes[i], sink, i64::from(-excess)),
+            1.. => graph.add_edge(source, nodes[i], excess.unsigned_abs()),
+            _ => graph.add_edge(nodes[i], sink, excess.unsigned_abs()),
         };
         for (d, &step) in connectivity.steps().iter().enumerate().skip(D / 2) {
             if let Some(neighbor) = grid.offset(cell, step) {
                 let capacity = random(12);
                 cut.set_edge(cut.position(cell), d, capacity);
-                graph.add_edge(nodes[i], nodes[grid.index(neighbor)], i64::from(capacity));
-                graph.add_edge(nodes[grid.index(neighbor)], nodes[i], i64::from(capacity));
+                graph.add_edge(nodes[i], nodes[grid.index(neighbor)], capacity.unsigned_abs());
+                graph.add_edge(nodes[grid.index(neighbor)], nodes[i], capacity.unsigned_abs());
             }
         }
     }
@@ -47,7 +47,7 @@ fn random_cut<const D: usize>(
 }
 
 /// Capacity of the edges from the cells off the sink's side to those on it.
-fn cut_value<const D: usize>(cut: &GridCut<D>, graph: &DiGraph<(), i64>, width: u32) -> i64 {
+fn cut_value<const D: usize>(cut: &GridCut<D>, graph: &DiGraph<(), u32>, width: u32) -> i64 {
     let is_sink_side = |node: NodeIndex| match node.index() as u32 {
         0 => false,
         1 => true,
@@ -57,7 +57,7 @@ fn cut_value<const D: usize>(cut: &GridCut<D>, graph: &DiGraph<(), i64>, width: 
         .edge_indices()
         .filter_map(|edge| graph.edge_endpoints(edge).map(|(a, b)| (a, b, graph[edge])))
         .filter(|&(a, b, _)| !is_sink_side(a) && is_sink_side(b))
-        .map(|(_, _, capacity)| capacity)
+        .map(|(_, _, capacity)| i64::from(capacity))
         .sum()
 }
 
@@ -67,11 +67,11 @@ proptest! {
     #[test]
     fn cut_equals_the_flow_of_petgraph(width in 1u32..12, height in 1u32..12, seed in 0u64..1 << 30) {
         let (mut four, graph, [source, sink]) = random_cut::<4>(width, height, Connectivity::Four, seed);
-        let flow = ford_fulkerson(&graph, source, sink).0;
+        let flow = i64::from(ford_fulkerson(&graph, source, sink).0);
         prop_assert_eq!(four.solve(), flow);
         prop_assert_eq!(cut_value(&four, &graph, width), flow);
         let (mut eight, graph, [source, sink]) = random_cut::<8>(width, height, Connectivity::Eight, seed);
-        let flow = ford_fulkerson(&graph, source, sink).0;
+        let flow = i64::from(ford_fulkerson(&graph, source, sink).0);
         prop_assert_eq!(eight.solve(), flow);
         prop_assert_eq!(cut_value(&eight, &graph, width), flow);
     }

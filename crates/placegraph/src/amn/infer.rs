@@ -7,7 +7,7 @@
 //! per label.
 //!
 //! Deviation: the chapter names linear programming and graph cuts; only the cuts are here. Potentials are rounded to
-//! 2⁻²⁴ of the largest edge reward, so that cuts are exact and moves cannot cycle.
+//! 2⁻²³ of the largest edge reward, so that cuts are exact and moves cannot cycle.
 
 use super::maxflow::GridCut;
 use crate::grid::{CellGraph, Connectivity};
@@ -90,7 +90,7 @@ pub fn expand(graph: &CellGraph, potentials: &Potentials, start: &[Label]) -> La
     }
 }
 
-/// Rewards are rounded to this fraction of the largest; all sums then fit in 31 bits.
+/// Most steps that the largest reward is divided into; all sums then fit in 31 bits.
 const STEPS_OF_LARGEST_REWARD: f64 = (1 << 24) as f64;
 
 /// Label of the cells that are no nodes.
