@@ -132,14 +132,14 @@ impl<'a> Learner<'a> {
             }
             let ended = if violation <= optimum.slack + self.config.tolerance {
                 Ended::Converged
-            } else if self.planes.n_planes() >= self.config.max_planes {
+            } else if self.planes.planes.len() >= self.config.max_planes {
                 Ended::PlaneLimit
             } else {
-                self.planes.add(plane);
+                self.planes.planes.push(plane);
                 continue;
             };
             let Some((objective, weights)) = best.take() else { continue };
-            let n_planes = self.planes.n_planes();
+            let n_planes = self.planes.planes.len();
             return Learned { weights, objective, bound: optimum.bound, n_planes, ended };
         }
     }
