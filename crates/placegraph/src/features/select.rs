@@ -5,9 +5,10 @@
 //!
 //! **Deviations** from the chapter: constant columns and columns that repeat an earlier one are dropped first,
 //! because the Fisher ratio of two copies is the same and both would be taken. [`Weighing::Normalized`], the
-//! default, divides the Fisher ratio by its maximum and centers the correlation: as printed, the ratio is unbounded,
-//! outweighs any correlation, and correlations of positive features are all close to 1. The sum in Fig. 4.6 runs over
-//! the l − 1 features chosen before.
+//! default, centers the correlation and takes the ratio of every two classes as a share of the largest that any
+//! feature has for them: as printed, the pair that is easiest to tell apart decides alone, the ratio outweighs any
+//! correlation, and correlations of positive features are all close to 1. The sum in Fig. 4.6 runs over the l − 1
+//! features chosen before.
 
 use rayon::prelude::*;
 
@@ -17,7 +18,7 @@ use crate::labels::Label;
 /// How the two criteria are weighed against each other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Weighing {
-    /// The Fisher ratio in shares of the largest, the correlation of Pearson.
+    /// The Fisher ratio of every two classes in shares of the largest, averaged; the correlation of Pearson.
     #[default]
     Normalized,
     /// As printed: the Fisher ratio as it is, the correlation of values that are not centered.
@@ -90,11 +91,10 @@ pub fn select(table: &FeatureTable, labels: &[Label], config: &SelectConfig) -> 
     assert_eq!(labels.len(), table.n_rows(), "a label per row");
     let (columns, dropped) = distinct_columns(table);
     let ids = table.columns();
-    let fisher: Vec<f64> = columns.par_iter().map(|&c| fisher_ratio(table.column(c), labels)).collect();
-    let largest = fisher.iter().fold(f64::MIN_POSITIVE, |a, &b| a.max(b));
-    let unit = match config.weighing {
-        Weighing::Normalized => largest,
-        Weighing::Printed => 1.0,
+    let ratios: Vec<Vec<f64>> = columns.par_iter().map(|&c| fisher_ratios(table.column(c), labels)).collect();
+    let separation = match config.weighing {
+        Weighing::Normalized => mean_shares(&ratios),
+        Weighing::Printed => ratios.iter().map(|of_pairs| 2.0 * of_pairs.iter().sum::<f64>()).collect(),
     };
     let correlation = |a: &[f32], b: &[f32]| match config.weighing {
         Weighing::Normalized => pearson(a, b),
@@ -106,12 +106,12 @@ pub fn select(table: &FeatureTable, labels: &[Label], config: &SelectConfig) -> 
     while chosen.len() < config.n_features.min(columns.len()) {
         // Fig. 4.6: argmax of w₁ S(f) − w₂ / (l − 1) Σ_r |ρ(f_r, f)|
         let mean = |i: usize| correlations[i] / chosen.len().max(1) as f64;
-        let score = |i: usize| config.fisher_weight * fisher[i] / unit - config.correlation_weight * mean(i);
+        let score = |i: usize| config.fisher_weight * separation[i] - config.correlation_weight * mean(i);
         let open = (0..columns.len()).filter(|&i| is_open[i]);
         let Some(best) = open.reduce(|best, i| if score(i) > score(best) { i } else { best }) else { break };
         chosen.push(Chosen {
             feature: ids[columns[best]],
-            fisher_ratio: fisher[best],
+            fisher_ratio: 2.0 * ratios[best].iter().sum::<f64>(),
             mean_correlation: mean(best),
             score: score(best),
         });
@@ -147,6 +147,11 @@ fn distinct_columns(table: &FeatureTable) -> (Vec<usize>, Vec<Dropped>) {
 
 /// S of Eq. (4.12): Σ_i Σ_{j≠i} (μ_i − μ_j)² / (σ_i + σ_j), where σ is what the chapter calls it, the variance.
 pub fn fisher_ratio(values: &[f32], labels: &[Label]) -> f64 {
+    2.0 * fisher_ratios(values, labels).iter().sum::<f64>()
+}
+
+/// (μ_i − μ_j)² / (σ_i + σ_j) of every two classes i < j that have rows.
+fn fisher_ratios(values: &[f32], labels: &[Label]) -> Vec<f64> {
     let n_labels = labels.iter().map(|label| label.index() + 1).max().unwrap_or(0);
     let mut n = vec![0.0; n_labels];
     let mut mean = vec![0.0; n_labels];
@@ -162,17 +167,27 @@ pub fn fisher_ratio(values: &[f32], labels: &[Label]) -> f64 {
         variance[label.index()] += (value as f64 - mean[label.index()]).powi(2) / n[label.index()];
     }
     let present: Vec<usize> = (0..n_labels).filter(|&k| n[k] > 0.0).collect();
-    let mut sum = 0.0;
-    for &i in &present {
-        for &j in present.iter().filter(|&&j| j != i) {
-            let between = (mean[i] - mean[j]).powi(2);
-            // Equal means separate nothing, even where both variances are zero.
-            if between > 0.0 {
-                sum += (between / (variance[i] + variance[j])).min(MAX_FISHER_RATIO);
-            }
-        }
-    }
-    sum
+    let ratio = |i: usize, j: usize| {
+        let between = (mean[i] - mean[j]).powi(2);
+        // Equal means separate nothing, even where both variances are zero.
+        if between > 0.0 { (between / (variance[i] + variance[j])).min(MAX_FISHER_RATIO) } else { 0.0 }
+    };
+    present
+        .iter()
+        .enumerate()
+        .flat_map(|(a, &i)| present[a + 1..].iter().map(move |&j| (i, j)))
+        .map(|(i, j)| ratio(i, j))
+        .collect()
+}
+
+/// Mean over the pairs of classes of a feature's ratio divided by the largest of that pair.
+fn mean_shares(ratios: &[Vec<f64>]) -> Vec<f64> {
+    let n_pairs = ratios.first().map_or(0, Vec::len);
+    let largest: Vec<f64> =
+        (0..n_pairs).map(|pair| ratios.iter().fold(f64::MIN_POSITIVE, |a, r| a.max(r[pair]))).collect();
+    let share =
+        |of_pairs: &Vec<f64>| of_pairs.iter().zip(&largest).map(|(r, l)| r / l).sum::<f64>() / n_pairs as f64;
+    ratios.iter().map(share).collect()
 }
 
 /// ρ of Eq. (4.13) with the means taken off; 0 if a column is constant.
