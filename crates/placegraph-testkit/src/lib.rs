@@ -3,5 +3,6 @@
 
 pub mod boost;
 pub mod distance;
+pub mod networks;
 pub mod regions;
 pub mod relax;

@@ -1,1 +1,16 @@
 //! Instance-based associative Markov networks (Sect. 4.6).
+
+pub mod confidence;
+mod iamn;
+pub mod infer;
+pub mod learn;
+pub mod maxflow;
+pub mod model;
+mod model_file;
+pub mod nearest;
+mod train;
+mod working_set;
+
+pub use iamn::{IamnModel, Standardization, label};
+pub use model_file::IamnFileError;
+pub use train::{IamnConfig, IamnReport, TrainingMap, Validated, train};

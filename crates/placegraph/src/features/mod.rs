@@ -12,6 +12,7 @@ mod moments;
 mod plan;
 mod polygon;
 mod registry;
+pub mod select;
 mod table;
 mod values;
 

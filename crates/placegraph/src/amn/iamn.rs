@@ -1,0 +1,135 @@
+//! The instance-based network as it is applied: selected features → distances to exemplars → potentials → labeling
+//! (Sect. 4.6.1, 4.6.4).
+//!
+//! Cost: queries × exemplars × features for the transform, then a few minimum cuts.
+//!
+//! **Deviations** from the chapter: features are standardized with the mean and deviation of the training cells, because
+//! in raw units the area outweighs all others; a constant is added to the transform, because without it every node score
+//! goes through the origin.
+
+use serde::{Deserialize, Serialize};
+
+use super::confidence;
+use super::infer;
+use super::model::Weights;
+use super::model_file::IamnFile;
+use super::nearest::Exemplars;
+use crate::features::{FeatureId, FeatureTable};
+use crate::grid::{CellGraph, Connectivity};
+use crate::labels::{Label, LabelField, Labeling};
+
+/// A trained instance-based associative Markov network.
+///
+/// The edge weights hold for maps of the resolution of the training maps: finer cells have more neighbors of their own
+/// class.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "IamnFile", into = "IamnFile")]
+pub struct IamnModel {
+    /// The features that distances are computed from.
+    pub standardization: Standardization,
+    /// M of Eq. (4.11): how many neighbors per class.
+    pub n_neighbors: usize,
+    /// Standardized features of the stored cells, one row per exemplar.
+    pub exemplars: Vec<f32>,
+    /// Class of every exemplar.
+    pub exemplar_labels: Vec<Label>,
+    /// Weights of Eq. (4.9); the node features are the K · M distances.
+    pub weights: Weights,
+    /// Which cells share an edge.
+    pub connectivity: Connectivity,
+    /// Confidences are softened by this, see [`label`].
+    pub temperature: f64,
+}
+
+/// Which features are used, and the mean and deviation that they are standardized with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Standardization {
+    /// The features.
+    pub features: Vec<FeatureId>,
+    /// Their means over the training cells.
+    pub mean: Vec<f32>,
+    /// Their standard deviations over the training cells, above 0.
+    pub deviation: Vec<f32>,
+}
+
+/// Distance of a neighbor that does not exist: that between two independent standardized vectors, √(2 L).
+pub(super) fn distance_of_missing(n_features: usize) -> f32 {
+    (2.0 * n_features as f32).sqrt()
+}
+
+impl Standardization {
+    /// Mean and deviation of `features` over all rows of `table`. A constant feature gets deviation 1.
+    ///
+    /// # Panics
+    /// If the table lacks a feature.
+    pub fn of(table: &FeatureTable, features: &[FeatureId]) -> Self {
+        let moments = |&feature: &FeatureId| {
+            let values = column(table, feature);
+            let n = values.len() as f64;
+            let mean = values.iter().map(|&v| v as f64).sum::<f64>() / n;
+            let variance = values.iter().map(|&v| (v as f64 - mean).powi(2)).sum::<f64>() / n;
+            (mean as f32, if variance > 0.0 { variance.sqrt() as f32 } else { 1.0 })
+        };
+        let (mean, deviation) = features.iter().map(moments).unzip();
+        Self { features: features.to_vec(), mean, deviation }
+    }
+
+    /// The standardized features of all rows, row after row.
+    ///
+    /// # Panics
+    /// If the table lacks a feature.
+    pub fn rows(&self, table: &FeatureTable) -> Vec<f32> {
+        let n_features = self.features.len();
+        let mut rows = vec![0.0; table.n_rows() * n_features];
+        for (f, &feature) in self.features.iter().enumerate() {
+            let (mean, scale) = (self.mean[f], 1.0 / self.deviation[f]);
+            for (row, &value) in rows.chunks_exact_mut(n_features).zip(column(table, feature)) {
+                row[f] = (value - mean) * scale;
+            }
+        }
+        rows
+    }
+}
+
+fn column(table: &FeatureTable, feature: FeatureId) -> &[f32] {
+    match table.values_of(feature) {
+        Some(values) => values,
+        None => panic!("the table has a column {}", feature.feature().name),
+    }
+}
+
+impl IamnModel {
+    /// τ of every row of `table`, Eq. (4.11): K · M distances, class by class, ascending.
+    ///
+    /// # Panics
+    /// If the table lacks a feature of the model.
+    pub fn transform(&self, table: &FeatureTable) -> Vec<f32> {
+        let n_features = self.standardization.features.len();
+        let groups: Vec<usize> = self.exemplar_labels.iter().map(|label| label.index()).collect();
+        let exemplars = Exemplars::new(n_features, &self.exemplars, self.weights.n_labels(), &groups);
+        let queries = self.standardization.rows(table);
+        let mut distances = exemplars.nearest(&queries, self.n_neighbors, |_, _| true);
+        let missing = distance_of_missing(n_features);
+        for distance in &mut distances {
+            *distance = if distance.is_finite() { distance.sqrt() } else { missing };
+        }
+        distances
+    }
+}
+
+/// Labels the cells of `graph`, whose features are the rows of `table`, and tells how sure each label is.
+///
+/// The labeling maximizes Eq. (4.9). The field is the distribution of every cell's label given the labels found around
+/// it, p_i(k) ∝ exp((θ_i(k) + Σ_j λ(k) [y_j = k]) / T), with T fitted to held-out parts of the training maps. It is
+/// conditional, so it knows no doubt about a whole wrong region; its most probable label is the labeling's, save for
+/// ties.
+///
+/// # Panics
+/// If rows and nodes differ in number, or the table lacks a feature of the model.
+pub fn label(graph: &CellGraph, table: &FeatureTable, model: &IamnModel) -> (Labeling, LabelField) {
+    let potentials = model.weights.potentials(&model.transform(table), model.connectivity);
+    let labeling = infer::expand(graph, &potentials, &potentials.best_alone());
+    let scores = confidence::conditional_scores(graph, &potentials, &labeling);
+    let field = confidence::field(&scores, model.weights.n_labels(), model.temperature);
+    (labeling, field)
+}

@@ -1,0 +1,210 @@
+//! The most probable labeling of a network: maximum of the score (4.9) by α-expansion (Sect. 4.6).
+//!
+//! One minimum cut decides which nodes change to a label α at once. Because rewards are never negative, every
+//! such move is a cut problem without further conditions, whatever the rewards of the single labels. With two
+//! labels one cut finds the exact maximum; with more the result is a labeling that no expansion improves
+//! (Boykov, Veksler and Zabih, PAMI 2001), in practice within a thousandth of the best. Cost: a handful of cuts
+//! per label.
+//!
+//! Deviation: the chapter names linear programming and graph cuts; only the cuts are here. Potentials are rounded to
+//! 2⁻²³ of the largest edge reward, so that cuts are exact and moves cannot cycle.
+
+use super::maxflow::GridCut;
+use crate::grid::{CellGraph, Connectivity};
+use crate::labels::{Label, Labeling};
+
+/// The score of a labeling y: Σ_i θ_i(y_i) + Σ_(ij) λ(k) [y_i = y_j = k], over the nodes and edges of a cell graph.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Potentials {
+    /// θ, node-major, one per node and label; any finite numbers.
+    pub node: Vec<f64>,
+    /// λ, one per label, none negative: what an edge earns whose ends both have the label.
+    pub edge: Vec<f64>,
+    /// Which cells share an edge.
+    pub connectivity: Connectivity,
+}
+
+impl Potentials {
+    /// Number of labels K.
+    pub fn n_labels(&self) -> usize {
+        self.edge.len()
+    }
+
+    /// θ of all labels at `node`.
+    pub fn row(&self, node: usize) -> &[f64] {
+        &self.node[node * self.n_labels()..(node + 1) * self.n_labels()]
+    }
+
+    /// The score of `labeling`, Eq. (4.9) without its normalization.
+    pub fn score(&self, graph: &CellGraph, labeling: &[Label]) -> f64 {
+        let edges = agreeing_edges(graph, self.connectivity, labeling, self.n_labels());
+        let nodes: f64 = labeling.iter().enumerate().map(|(i, y)| self.row(i)[y.index()]).sum();
+        nodes + edges.iter().zip(&self.edge).map(|(&n, lambda)| n as f64 * lambda).sum::<f64>()
+    }
+
+    /// The best label of every node on its own; ties go to the lower label.
+    pub fn best_alone(&self) -> Labeling {
+        let best = |row: &[f64]| (1..row.len()).fold(0, |best, k| if row[k] > row[best] { k } else { best });
+        self.node.chunks_exact(self.n_labels()).map(|row| Label(best(row) as u8)).collect()
+    }
+}
+
+/// Number of edges whose ends both have label k, for every k.
+pub fn agreeing_edges(
+    graph: &CellGraph,
+    connectivity: Connectivity,
+    labeling: &[Label],
+    n_labels: usize,
+) -> Vec<u64> {
+    let mut counts = vec![0; n_labels];
+    for (i, &label) in labeling.iter().enumerate() {
+        for &step in connectivity.steps_back() {
+            if graph.node_at_step(i, step).is_some_and(|j| labeling[j] == label) {
+                counts[label.index()] += 1;
+            }
+        }
+    }
+    counts
+}
+
+/// The labeling of highest score that α-expansion reaches from `start`.
+///
+/// Deterministic; labels expand in order until no expansion improves the score. With two labels the result is the
+/// exact maximum, wherever it starts.
+///
+/// # Panics
+/// If potentials and `start` do not fit the graph.
+pub fn expand(graph: &CellGraph, potentials: &Potentials, start: &[Label]) -> Labeling {
+    assert_eq!(
+        potentials.node.len(),
+        graph.n_nodes() * potentials.n_labels(),
+        "a potential per node and label"
+    );
+    assert_eq!(start.len(), graph.n_nodes(), "a label per node");
+    if potentials.edge.iter().all(|&lambda| lambda == 0.0) {
+        return potentials.best_alone();
+    }
+    match potentials.connectivity {
+        Connectivity::Four => Expansion::<4>::new(graph, potentials, start).run(),
+        Connectivity::Eight => Expansion::<8>::new(graph, potentials, start).run(),
+    }
+}
+
+/// Most steps that the largest reward is divided into; all sums then fit in 31 bits.
+const STEPS_OF_LARGEST_REWARD: f64 = (1 << 24) as f64;
+
+/// Label of the cells that are no nodes.
+const NONE: u8 = u8::MAX;
+
+struct Expansion<const D: usize> {
+    n_labels: usize,
+    /// Potentials below the best of the node, in whole steps.
+    node: Vec<i32>,
+    /// Half the reward of every label, in whole steps.
+    half_reward: Vec<i32>,
+    /// Position of every node in the cut's rectangle, and the labels of all positions.
+    positions: Vec<u32>,
+    labels: Vec<u8>,
+    cut: GridCut<D>,
+}
+
+impl<const D: usize> Expansion<D> {
+    fn new(graph: &CellGraph, potentials: &Potentials, start: &[Label]) -> Self {
+        let cut = GridCut::<D>::new(graph.width(), graph.height());
+        let positions: Vec<u32> = graph.cells().iter().map(|&cell| cut.position(cell) as u32).collect();
+        let mut labels = vec![NONE; cut.n_positions()];
+        for (&position, label) in positions.iter().zip(start) {
+            labels[position as usize] = label.0;
+        }
+        let steps_per_unit =
+            STEPS_OF_LARGEST_REWARD / potentials.edge.iter().fold(0.0, |a: f64, &b| a.max(b));
+        let half_reward: Vec<i32> =
+            potentials.edge.iter().map(|lambda| (lambda / 2.0 * steps_per_unit).round() as i32).collect();
+        // A label this far below the best is never worth its edges: clipping there changes no optimum.
+        let lowest = -(2.0 * D as f64 * STEPS_OF_LARGEST_REWARD);
+        let below_best = |row: &[f64]| {
+            let best = row.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
+            row.iter()
+                .map(|theta| ((theta - best) * steps_per_unit).round().max(lowest) as i32)
+                .collect::<Vec<_>>()
+        };
+        let node = potentials.node.chunks_exact(potentials.n_labels()).flat_map(below_best).collect();
+        Self { n_labels: potentials.n_labels(), node, half_reward, positions, labels, cut }
+    }
+
+    fn run(mut self) -> Labeling {
+        if self.n_labels == 2 {
+            // Every labeling is one expansion of the first label away from this one.
+            self.positions.iter().for_each(|&position| self.labels[position as usize] = 1);
+            self.expand(0);
+        } else {
+            self.expand_in_turn();
+        }
+        self.positions.iter().map(|&position| Label(self.labels[position as usize])).collect()
+    }
+
+    fn expand_in_turn(&mut self) {
+        let mut unchanged = 0;
+        for alpha in (0..self.n_labels).cycle() {
+            // A label that has just expanded cannot expand again.
+            unchanged = if self.expand(alpha) { 1 } else { unchanged + 1 };
+            if unchanged >= self.n_labels {
+                break;
+            }
+        }
+    }
+
+    /// Lets the nodes change to `alpha` for which this together is best; tells whether the score rose.
+    fn expand(&mut self, alpha: usize) -> bool {
+        let from_source = self.set_capacities(alpha);
+        let gain = from_source - self.cut.solve();
+        if gain == 0 {
+            return false;
+        }
+        for &position in &self.positions {
+            if !self.cut.is_sink_side(position as usize) && self.labels[position as usize] != alpha as u8 {
+                self.labels[position as usize] = alpha as u8;
+            }
+        }
+        true
+    }
+
+    /// The source side of the cut is the nodes that change. An edge between two nodes with labels β and γ other
+    /// than α earns a = λ(β)[β = γ] if both stay, b = λ(α) if both change, nothing otherwise: a cut edge of
+    /// (a + b)/2 and (b − a)/2 for the change of each end. Returns the capacity out of the source.
+    fn set_capacities(&mut self, alpha: usize) -> i64 {
+        self.cut.clear();
+        let mut from_source = 0;
+        let alpha_label = alpha as u8;
+        let gain = self.half_reward[alpha];
+        for (i, &position) in self.positions.iter().enumerate() {
+            let p = position as usize;
+            let label = self.labels[p];
+            if label == alpha_label {
+                continue;
+            }
+            let row = &self.node[i * self.n_labels..(i + 1) * self.n_labels];
+            let loss = self.half_reward[label as usize];
+            let mut excess = row[alpha] - row[label as usize];
+            for d in 0..D {
+                let q = self.cut.neighbor(p, d);
+                let other = self.labels[q];
+                if other == NONE {
+                    continue;
+                }
+                let (stay, change) = match other {
+                    _ if other == alpha_label => (0, 2 * gain),
+                    _ if other == label => (loss, gain),
+                    _ => (0, gain),
+                };
+                excess += change - stay;
+                if d >= D / 2 && other != alpha_label {
+                    self.cut.set_edge(p, d, stay + change);
+                }
+            }
+            self.cut.add_excess(p, excess);
+            from_source += i64::from(excess.max(0));
+        }
+        from_source
+    }
+}
