@@ -2,9 +2,9 @@
 
 use crate::geom::Point2;
 
-/// A line that comes nearer to a cell than this touches it. Covers the rounding of a transform to the map
-/// frame and back; in cells.
-const TOUCH: f64 = 1e-6;
+/// A line that comes nearer to a cell than this touches it, in cells. Covers what exporters round away and the
+/// way to the map frame and back.
+const TOUCH: f64 = 1e-2;
 
 /// Whether `accept` holds for every cell that the segment from `a` to `b` touches, all in cells from the lower
 /// left corner of the grid. A line through a corner touches all four cells there, a line along a side the
