@@ -1,1 +1,4 @@
 //! Oracles for the tests: slow, plain and obviously right.
+
+pub mod distance;
+pub mod regions;

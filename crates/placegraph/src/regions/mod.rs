@@ -9,6 +9,7 @@ mod region;
 mod runs;
 
 pub use adjacency::{Contact, contacts};
+pub(crate) use components::components;
 pub use components::{DiagonalSteps, connected};
 pub use correction::{Corrected, Relabeled, Thresholds, correct};
 pub use properties::{RegionProperties, properties};

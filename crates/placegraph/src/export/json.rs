@@ -1,0 +1,360 @@
+//! `topology.json`: the topological map as a document, out and in (`docs/topology-json.md`).
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::json_layout;
+use crate::geom::{EllipseAxes, Point2, Pose2};
+use crate::grid::{FrameError, GridShape, MapFrame, OccupancyGrid};
+use crate::labels::{Class, LabelSet};
+use crate::topology::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
+
+/// What the member `format` of every document says.
+pub const FORMAT: &str = "placegraph-topology";
+
+/// The version of the format that this program writes and reads.
+pub const VERSION: u32 = 1;
+
+/// The content of a `topology.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TopologyDocument {
+    /// [`FORMAT`].
+    pub format: String,
+    /// [`VERSION`].
+    pub version: u32,
+    /// What wrote the document.
+    pub program: ProgramInfo,
+    /// The map it is about.
+    pub map: MapInfo,
+    /// The model that labeled the map; absent where labels came from elsewhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<ModelInfo>,
+    /// The classes, in the order of their labels.
+    pub classes: LabelSet,
+    /// The places, by id.
+    pub places: Vec<Place>,
+    /// The connections, by their ends.
+    pub connections: Vec<Connection>,
+    /// Wall time of the stages, in milliseconds. Empty where results must not differ between runs.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub timings_ms: BTreeMap<String, f64>,
+    /// What was noticed about the input, in plain words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub findings: Vec<String>,
+}
+
+/// The program that wrote a document.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ProgramInfo {
+    /// Its name.
+    pub name: String,
+    /// Its version.
+    pub version: String,
+}
+
+/// The map that a document is about.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MapInfo {
+    /// Name of the map.
+    pub name: String,
+    /// Hash of its files, to notice that a document is out of date.
+    pub hash: String,
+    /// Side of a cell, in meters.
+    pub resolution_m: f64,
+    /// Pose of the lower left corner of the grid in the map frame.
+    pub origin: Pose2,
+    /// Number of columns.
+    pub width: u32,
+    /// Number of rows.
+    pub height: u32,
+    /// Name of the frame that all coordinates are in.
+    pub frame_id: String,
+}
+
+/// The model behind a document.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelInfo {
+    /// Name of the model.
+    pub name: String,
+    /// Hash of its file.
+    pub hash: String,
+}
+
+/// Why bytes are no topological map.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TopologyError {
+    /// Not the JSON of a document.
+    #[error("expected the JSON of a {FORMAT} document")]
+    Json {
+        /// What the parser says, with line and column.
+        #[from]
+        source: serde_json::Error,
+    },
+    /// Another kind of document.
+    #[error("expected format {FORMAT:?}, found {found:?}")]
+    Format {
+        /// The format found.
+        found: String,
+    },
+    /// Another version.
+    #[error("expected version {VERSION} of {FORMAT}, found {found}")]
+    Version {
+        /// The version found.
+        found: u64,
+    },
+    /// A grid that cannot be.
+    #[error(
+        "expected a map with cells of a positive size, found {width} x {height} cells of {resolution_m} m"
+    )]
+    Map {
+        /// Columns found.
+        width: u32,
+        /// Rows found.
+        height: u32,
+        /// Resolution found.
+        resolution_m: f64,
+    },
+    /// Places are not numbered upwards from 1 or more.
+    #[error("expected place ids above {previous}, found {found}")]
+    PlaceOrder {
+        /// The id before.
+        previous: u32,
+        /// The id found.
+        found: u32,
+    },
+    /// A place has a class that is not listed, or another role than its class.
+    #[error("expected a class of the document with role {role} in place {place}, found {class:?}")]
+    PlaceClass {
+        /// The place.
+        place: u32,
+        /// Its class.
+        class: String,
+        /// Its role.
+        role: String,
+    },
+    /// Something refers to a place that is not there.
+    #[error("expected the id of a place in {referrer}, found {found}")]
+    UnknownPlace {
+        /// What refers to it.
+        referrer: String,
+        /// The id found.
+        found: u32,
+    },
+    /// Connections are not in order, or one stands twice, or its ends are swapped.
+    #[error("expected connections in order with a < b, each once, found {a} to {b}")]
+    ConnectionOrder {
+        /// The end `a` found.
+        a: u32,
+        /// The end `b` found.
+        b: u32,
+    },
+}
+
+/// What every version of the format has.
+#[derive(Deserialize)]
+struct Header {
+    format: String,
+    version: u64,
+}
+
+impl MapInfo {
+    /// What `grid` says of itself, in the frame `map`.
+    pub fn of(grid: &OccupancyGrid, name: &str, hash: &str) -> Self {
+        Self {
+            name: name.to_owned(),
+            hash: hash.to_owned(),
+            resolution_m: grid.frame.resolution_m(),
+            origin: grid.frame.map_from_grid(),
+            width: grid.cells.width(),
+            height: grid.cells.height(),
+            frame_id: "map".to_owned(),
+        }
+    }
+}
+
+impl MapInfo {
+    /// The grid that the document's outlines run along.
+    ///
+    /// # Errors
+    /// If the resolution or the origin is no frame; never for a document that was read.
+    pub fn shape(&self) -> Result<GridShape, FrameError> {
+        let frame = MapFrame::new(self.resolution_m, self.origin)?;
+        Ok(GridShape { frame, width: self.width, height: self.height })
+    }
+}
+
+impl TopologyDocument {
+    /// A document of `topology`, without timings and findings. Measures are rounded to four decimals (points and areas to nine),
+    /// so that the same bytes come out when the document is read and written again.
+    pub fn new(
+        map: MapInfo,
+        model: Option<ModelInfo>,
+        classes: &LabelSet,
+        topology: &TopologicalMap,
+    ) -> Self {
+        Self {
+            format: FORMAT.to_owned(),
+            version: VERSION,
+            program: ProgramInfo {
+                name: "placegraph".to_owned(),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+            },
+            map,
+            model,
+            classes: classes.clone(),
+            places: topology.places.iter().map(rounded_place).collect(),
+            connections: topology.connections.iter().map(rounded_connection).collect(),
+            timings_ms: BTreeMap::new(),
+            findings: Vec::new(),
+        }
+    }
+
+    /// The map that the document holds.
+    pub fn topology(&self) -> TopologicalMap {
+        TopologicalMap { places: self.places.clone(), connections: self.connections.clone() }
+    }
+
+    /// The document as text.
+    ///
+    /// # Errors
+    /// If a number is out of the range of JSON; no document made by [`TopologyDocument::new`] has one.
+    pub fn to_json(&self) -> Result<String, TopologyError> {
+        Ok(json_layout::to_json(self)?)
+    }
+
+    /// Reads a document and checks what other code relies on: ids, order, classes, sizes.
+    ///
+    /// # Errors
+    /// If the bytes are not JSON of this format and version, have unknown or missing members, or contradict
+    /// themselves.
+    pub fn from_json(bytes: &[u8]) -> Result<Self, TopologyError> {
+        let header: Header = serde_json::from_slice(bytes)?;
+        if header.format != FORMAT {
+            return Err(TopologyError::Format { found: header.format });
+        }
+        if header.version != VERSION as u64 {
+            return Err(TopologyError::Version { found: header.version });
+        }
+        let document: Self = serde_json::from_slice(bytes)?;
+        document.check_map()?;
+        document.check_places()?;
+        document.check_connections()?;
+        Ok(document)
+    }
+
+    fn check_map(&self) -> Result<(), TopologyError> {
+        let MapInfo { width, height, resolution_m, origin, .. } = self.map;
+        if width == 0 || height == 0 || MapFrame::new(resolution_m, origin).is_err() {
+            return Err(TopologyError::Map { width, height, resolution_m });
+        }
+        Ok(())
+    }
+
+    fn check_places(&self) -> Result<(), TopologyError> {
+        let mut previous = 0;
+        for place in &self.places {
+            let PlaceId(found) = place.id;
+            if found <= previous {
+                return Err(TopologyError::PlaceOrder { previous, found });
+            }
+            previous = found;
+            let has_class = |class: &Class| class.name == place.class && class.role == place.role;
+            if !self.classes.classes().iter().any(has_class) {
+                let role = format!("{:?}", place.role).to_lowercase();
+                return Err(TopologyError::PlaceClass { place: found, class: place.class.clone(), role });
+            }
+        }
+        for place in &self.places {
+            for &side in place.doorway.iter().flat_map(|doorway| &doorway.sides) {
+                self.check_id(side, || format!("the sides of place {}", place.id.0))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn check_connections(&self) -> Result<(), TopologyError> {
+        let mut previous = (PlaceId(0), PlaceId(0));
+        for &Connection { a, b, .. } in &self.connections {
+            self.check_id(a, || format!("the connection {} to {}", a.0, b.0))?;
+            self.check_id(b, || format!("the connection {} to {}", a.0, b.0))?;
+            if a >= b || (a, b) <= previous {
+                return Err(TopologyError::ConnectionOrder { a: a.0, b: b.0 });
+            }
+            previous = (a, b);
+        }
+        Ok(())
+    }
+
+    fn check_id(&self, id: PlaceId, referrer: impl Fn() -> String) -> Result<(), TopologyError> {
+        match self.places.binary_search_by_key(&id, |place| place.id) {
+            Ok(_) => Ok(()),
+            Err(_) => Err(TopologyError::UnknownPlace { referrer: referrer(), found: id.0 }),
+        }
+    }
+}
+
+/// `value` with four decimals, never −0.
+fn rounded(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4 + 0.0
+}
+
+/// Points and areas keep nine decimals: outlines of rotated or fine maps must still have the area they name.
+fn rounded_finely(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9 + 0.0
+}
+
+fn rounded_point(point: Point2) -> Point2 {
+    Point2::new(rounded_finely(point.x), rounded_finely(point.y))
+}
+
+fn rounded_ring(ring: &[Point2]) -> Vec<Point2> {
+    ring.iter().map(|&point| rounded_point(point)).collect()
+}
+
+fn rounded_place(place: &Place) -> Place {
+    let EllipseAxes { major_m, minor_m, direction_rad } = place.axes;
+    Place {
+        probability: rounded(place.probability),
+        area_m2: rounded_finely(place.area_m2),
+        centroid: rounded_point(place.centroid),
+        axes: EllipseAxes {
+            major_m: rounded(major_m),
+            minor_m: rounded(minor_m),
+            direction_rad: rounded(direction_rad),
+        },
+        anchor: rounded_point(place.anchor),
+        clearance_m: rounded(place.clearance_m),
+        outline: place
+            .outline
+            .iter()
+            .map(|polygon| PolygonWithHoles {
+                exterior: rounded_ring(&polygon.exterior),
+                holes: polygon.holes.iter().map(|ring| rounded_ring(ring)).collect(),
+            })
+            .collect(),
+        doorway: place.doorway.as_ref().map(|doorway| Doorway {
+            width_m: rounded(doorway.width_m),
+            jambs: doorway.jambs.map(rounded_point),
+            sides: doorway.sides.clone(),
+        }),
+        ..place.clone()
+    }
+}
+
+fn rounded_connection(connection: &Connection) -> Connection {
+    Connection {
+        contact_m: rounded(connection.contact_m),
+        middle: rounded_point(connection.middle),
+        route: connection
+            .route
+            .as_ref()
+            .map(|route| Route { length_m: rounded(route.length_m), line: rounded_ring(&route.line) }),
+        ..*connection
+    }
+}

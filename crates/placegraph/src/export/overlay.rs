@@ -1,0 +1,192 @@
+//! Outlines, doorways and the graph as SVG elements, to lie over a picture of the map.
+
+use std::fmt::Write as _;
+
+use super::raster::mixed;
+use crate::geom::Point2;
+use crate::grid::MapFrame;
+use crate::labels::{LabelSet, Role};
+use crate::topology::{Connection, Place, TopologicalMap};
+
+/// The fonts of all pictures; the first is embedded in the program.
+pub(super) const FONTS: &str = "DejaVu Sans Condensed, DejaVu Sans, Arial, sans-serif";
+/// Color of text and of the graph.
+pub(super) const INK: &str = "#232936";
+
+/// How meters of the map frame become pixels, y down.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    /// Where the cells of the map are.
+    pub frame: MapFrame,
+    /// The left border of the picture, in cells.
+    pub left_cells: f64,
+    /// The upper border of the picture, in cells.
+    pub top_cells: f64,
+    /// Pixels per cell.
+    pub px_per_cell: f64,
+    /// Where the upper left corner of the map stands on the page, in pixels.
+    pub offset_px: [f64; 2],
+    /// Size of text, in pixels; everything drawn follows it.
+    pub text_px: f64,
+}
+
+impl View {
+    /// The pixel coordinates of a point of the map frame.
+    pub fn pixel(&self, point: Point2) -> Point2 {
+        let cells = self.frame.cells_from_map(point);
+        Point2::new(
+            self.offset_px[0] + (cells.x - self.left_cells) * self.px_per_cell,
+            self.offset_px[1] + (self.top_cells - cells.y) * self.px_per_cell,
+        )
+    }
+}
+
+/// The SVG elements of `topology`, without the `svg` element around them: outlines of the places, openings of
+/// the doorways, the graph, and its nodes with place ids; names that are not made of class and id stand below.
+///
+/// Cost: linear in outline points.
+pub fn overlay_svg(topology: &TopologicalMap, label_set: &LabelSet, view: &View) -> String {
+    let mut svg = String::new();
+    for place in &topology.places {
+        outline(&mut svg, place, label_set, view);
+    }
+    for place in topology.places.iter().filter(|place| place.doorway.is_some()) {
+        jambs(&mut svg, place, label_set, view);
+    }
+    edges(&mut svg, topology, view);
+    let (doorways, others): (Vec<&Place>, Vec<&Place>) =
+        topology.places.iter().partition(|place| place.role == Role::Doorway);
+    for place in doorways {
+        diamond(&mut svg, place, label_set, view);
+    }
+    for place in others {
+        circle(&mut svg, place, label_set, view);
+    }
+    svg
+}
+
+/// `text` for use in SVG: markup escaped, control characters left out.
+pub(super) fn escaped(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for character in text.chars().filter(|c| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}')) {
+        match character {
+            '&' => escaped.push_str("&amp;"),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '"' => escaped.push_str("&quot;"),
+            other => escaped.push(other),
+        }
+    }
+    escaped
+}
+
+/// `#rrggbb`.
+pub(super) fn hex([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+/// The color of lines around places of a class.
+fn dark(place: &Place, label_set: &LabelSet) -> String {
+    let color = label_set.label(&place.class).map_or([128; 3], |label| label_set.class(label).color);
+    hex(mixed(color, [24, 28, 40], 0.45))
+}
+
+/// Appends formatted text; writing to a string cannot fail.
+macro_rules! push {
+    ($svg:expr, $($format:tt)*) => { let _ = writeln!($svg, $($format)*); };
+}
+
+fn outline(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
+    let mut path = String::new();
+    for ring in
+        place.outline.iter().flat_map(|polygon| std::iter::once(&polygon.exterior).chain(&polygon.holes))
+    {
+        for (index, &point) in ring.iter().enumerate() {
+            let Point2 { x, y } = view.pixel(point);
+            let _ = write!(path, "{}{x:.1} {y:.1}", if index == 0 { 'M' } else { 'L' });
+        }
+        path.push('Z');
+    }
+    let (color, width) = (dark(place, label_set), 0.07 * view.text_px);
+    push!(
+        svg,
+        r#"<path d="{path}" fill="none" stroke="{color}" stroke-width="{width:.2}" stroke-linejoin="round"/>"#
+    );
+}
+
+fn jambs(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
+    let Some(doorway) = &place.doorway else { return };
+    let [a, b] = doorway.jambs.map(|jamb| view.pixel(jamb));
+    let (color, width) = (dark(place, label_set), 0.22 * view.text_px);
+    push!(
+        svg,
+        r#"<path d="M{:.1} {:.1}L{:.1} {:.1}" stroke="{color}" stroke-width="{width:.2}" stroke-linecap="round"/>"#,
+        a.x,
+        a.y,
+        b.x,
+        b.y
+    );
+}
+
+fn edges(svg: &mut String, topology: &TopologicalMap, view: &View) {
+    let mut path = String::new();
+    for &Connection { a, b, middle, .. } in &topology.connections {
+        let (Some(a), Some(b)) = (topology.place(a), topology.place(b)) else { continue };
+        let mut points = vec![a.anchor, b.anchor];
+        // Where two places meet without a doorway, the line shows where.
+        if a.role != Role::Doorway && b.role != Role::Doorway {
+            points.insert(1, middle);
+        }
+        for (index, &point) in points.iter().enumerate() {
+            let Point2 { x, y } = view.pixel(point);
+            let _ = write!(path, "{}{x:.1} {y:.1}", if index == 0 { 'M' } else { 'L' });
+        }
+    }
+    for (color, opacity, width) in [("#ffffff", 0.75, 0.3), (INK, 0.9, 0.12)] {
+        let width = width * view.text_px;
+        push!(
+            svg,
+            r#"<path d="{path}" fill="none" stroke="{color}" stroke-opacity="{opacity}" stroke-width="{width:.2}" stroke-linejoin="round"/>"#
+        );
+    }
+}
+
+fn diamond(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
+    let Point2 { x, y } = view.pixel(place.anchor);
+    let (color, r, width) = (dark(place, label_set), 0.42 * view.text_px, 0.1 * view.text_px);
+    push!(
+        svg,
+        r##"<path d="M{x:.1} {:.1}L{:.1} {y:.1}L{x:.1} {:.1}L{:.1} {y:.1}Z" fill="{color}" stroke="#ffffff" stroke-width="{width:.2}"/>"##,
+        y - r,
+        x + r,
+        y + r,
+        x - r
+    );
+}
+
+fn circle(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
+    let Point2 { x, y } = view.pixel(place.anchor);
+    let size = view.text_px;
+    let id = place.id.0.to_string();
+    let r = size * if id.len() < 3 { 0.85 } else { 0.3 + 0.28 * id.len() as f64 };
+    let (color, width) = (dark(place, label_set), 0.16 * size);
+    push!(
+        svg,
+        r##"<circle cx="{x:.1}" cy="{y:.1}" r="{r:.1}" fill="#ffffff" stroke="{color}" stroke-width="{width:.2}"/>"##
+    );
+    push!(
+        svg,
+        r#"<text x="{x:.1}" y="{:.1}" font-family="{FONTS}" font-weight="bold" font-size="{:.1}" text-anchor="middle" fill="{INK}">{id}</text>"#,
+        y + 0.31 * size,
+        0.86 * size
+    );
+    if place.name != format!("{} {id}", place.class) {
+        push!(
+            svg,
+            r##"<text x="{x:.1}" y="{:.1}" font-family="{FONTS}" font-size="{size:.1}" text-anchor="middle" fill="{INK}" stroke="#ffffff" stroke-width="{:.2}" stroke-linejoin="round" paint-order="stroke">{}</text>"##,
+            y + r + size,
+            0.25 * size,
+            escaped(&place.name)
+        );
+    }
+}

@@ -1,0 +1,167 @@
+//! The map as pixels: free cells in the color of their class, walls dark, unknown cells light.
+
+use crate::grid::{Cell, Occupancy, OccupancyGrid};
+use crate::labels::{Label, LabelSet};
+
+/// Color of occupied cells.
+pub(super) const WALL: [u8; 3] = [52, 58, 70];
+/// Color of unknown cells and of the page.
+pub(super) const PAPER: [u8; 3] = [255, 255, 255];
+/// Pictures of maps smaller than this get several pixels per cell.
+const LONGEST_SIDE_PX: f64 = 2000.0;
+/// Larger maps are drawn with several cells per pixel.
+const MAX_SIDE_PX: f64 = 4096.0;
+/// Cells of unknown space around what is known.
+const MARGIN_CELLS: u32 = 4;
+/// A wall weighs as much as this many free cells in a pixel, so that thin walls stay visible.
+const WALL_WEIGHT: u32 = 4;
+
+/// The part of a map that is drawn, in cells, and its scale.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Crop {
+    pub(super) left: u32,
+    pub(super) bottom: u32,
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// Whole above 1.
+    pub(super) px_per_cell: f64,
+}
+
+impl Crop {
+    /// The bounding box of what is known, with a margin; the whole map where nothing is.
+    pub(super) fn of_known(grid: &OccupancyGrid) -> Self {
+        let cells = &grid.cells;
+        let is_known = |&value: &Occupancy| value != Occupancy::Unknown;
+        let (mut left, mut right) = (cells.width(), 0);
+        let (mut bottom, mut top) = (cells.height(), 0);
+        for y in 0..cells.height() {
+            let row = cells.row(y);
+            let Some(first) = row.iter().position(is_known) else { continue };
+            let last = row.iter().rposition(is_known).unwrap_or(first);
+            left = left.min(first as u32);
+            right = right.max(last as u32 + 1);
+            bottom = bottom.min(y);
+            top = y + 1;
+        }
+        if left >= right {
+            (left, right, bottom, top) = (0, cells.width(), 0, cells.height());
+        }
+        left = left.saturating_sub(MARGIN_CELLS);
+        bottom = bottom.saturating_sub(MARGIN_CELLS);
+        let width = (right + MARGIN_CELLS).min(cells.width()) - left;
+        let height = (top + MARGIN_CELLS).min(cells.height()) - bottom;
+        let longest = width.max(height) as f64;
+        let px_per_cell = if longest > MAX_SIDE_PX {
+            MAX_SIDE_PX / longest
+        } else {
+            (LONGEST_SIDE_PX / longest).round().max(1.0)
+        };
+        Self { left, bottom, width, height, px_per_cell }
+    }
+
+    /// Number of pixels per row.
+    pub(super) fn width_px(&self) -> u32 {
+        (self.width as f64 * self.px_per_cell).ceil() as u32
+    }
+
+    /// Number of rows of pixels.
+    pub(super) fn height_px(&self) -> u32 {
+        (self.height as f64 * self.px_per_cell).ceil() as u32
+    }
+
+    /// The pixel of the upper left corner of a cell.
+    fn pixel(&self, cell: Cell) -> (usize, usize) {
+        let x = (cell.x - self.left) as f64 * self.px_per_cell;
+        let y = (self.bottom + self.height - 1 - cell.y) as f64 * self.px_per_cell;
+        (x as usize, y as usize)
+    }
+}
+
+/// The color of a class in the picture: its own, lightened, so that lines and text stand out.
+pub(super) fn pastel(color: [u8; 3]) -> [u8; 3] {
+    mixed(color, PAPER, 0.42)
+}
+
+/// `color` with `share` of `other`.
+pub(super) fn mixed(color: [u8; 3], other: [u8; 3], share: f64) -> [u8; 3] {
+    std::array::from_fn(|i| (color[i] as f64 * (1.0 - share) + other[i] as f64 * share).round() as u8)
+}
+
+/// Paints the cells of `crop` into `rgba`, rows of `stride_px` pixels from the top, at the pixel `offset`.
+pub(super) fn paint(
+    grid: &OccupancyGrid,
+    labeling: &[Label],
+    label_set: &LabelSet,
+    crop: &Crop,
+    rgba: &mut [u8],
+    stride_px: usize,
+    offset: (usize, usize),
+) {
+    let colors: Vec<[u8; 3]> = label_set.classes().iter().map(|class| pastel(class.color)).collect();
+    let mut sums: Vec<[u32; 4]> = vec![[0; 4]; (crop.width_px() * crop.height_px()) as usize];
+    let side = crop.px_per_cell.max(1.0) as usize;
+    let mut labels = labeling.iter();
+    for (cell, occupancy) in grid.cells.cells().zip(grid.cells.values()) {
+        let (color, weight) = match occupancy {
+            // Labels are in the order of the free cells.
+            Occupancy::Free => (labels.next().map_or(PAPER, |label| colors[label.index()]), 1),
+            Occupancy::Occupied => (WALL, WALL_WEIGHT),
+            Occupancy::Unknown => continue,
+        };
+        let (x, y) = crop.pixel(cell);
+        for row in y..y + side {
+            let start = row * crop.width_px() as usize + x;
+            for sum in &mut sums[start..start + side] {
+                for (channel, value) in sum.iter_mut().zip(color) {
+                    *channel += weight * value as u32;
+                }
+                sum[3] += weight;
+            }
+        }
+    }
+    for (y, row) in sums.chunks_exact(crop.width_px() as usize).enumerate() {
+        let start = ((y + offset.1) * stride_px + offset.0) * 4;
+        for (pixel, [red, green, blue, n]) in rgba[start..].chunks_exact_mut(4).zip(row) {
+            if *n > 0 {
+                pixel.copy_from_slice(&[(red / n) as u8, (green / n) as u8, (blue / n) as u8, 255]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_crop_is_what_is_known_and_a_margin() {
+        let mut drawing = vec!["?".repeat(30); 20];
+        drawing[5].replace_range(10..12, "#.");
+        let grid = OccupancyGrid::from_ascii(0.05, &drawing.join("\n"));
+        let crop = Crop::of_known(&grid);
+        assert_eq!((crop.left, crop.bottom, crop.width, crop.height), (6, 10, 10, 9));
+        assert_eq!((crop.width_px(), crop.height_px()), (2000, 1800));
+        // The wall's upper left corner: 4 cells from the left, 4 from the top.
+        assert_eq!(crop.pixel(Cell::new(10, 14)), (800, 800));
+    }
+
+    #[test]
+    fn nothing_known_is_the_whole_map() {
+        let crop = Crop::of_known(&OccupancyGrid::from_ascii(0.05, "???\n???\n"));
+        assert_eq!((crop.width, crop.height), (3, 2));
+    }
+
+    #[test]
+    fn large_maps_shrink_and_keep_thin_walls() {
+        let mut row = vec![Occupancy::Free; 8192];
+        row[4] = Occupancy::Occupied;
+        let cells = crate::grid::Grid::from_rows(8192, 1, row);
+        let grid = OccupancyGrid { frame: OccupancyGrid::from_ascii(0.05, ".").frame, cells };
+        let crop = Crop::of_known(&grid);
+        let mut rgba = vec![0; 4096 * 4];
+        paint(&grid, &[Label(0); 8191], &LabelSet::default(), &crop, &mut rgba, 4096, (0, 0));
+        let free = pastel(LabelSet::default().classes()[0].color);
+        assert_eq!(rgba[..3], free);
+        assert_eq!(rgba[8] as u32, (4 * WALL[0] as u32 + free[0] as u32) / 5);
+    }
+}

@@ -1,0 +1,129 @@
+//! From regions to the topological map (Sect. 4.7): a place per region, a connection per pair that touches.
+//!
+//! Cost: linear in nodes and border sides.
+
+use super::clearance::{anchors, clearance_cells};
+use super::opening::{Opening, opening};
+use super::outline::outlines;
+use super::{Connection, Doorway, Place, PlaceId, TopologicalMap};
+use crate::geom::Point2;
+use crate::grid::{CellGraph, MapFrame};
+use crate::labels::{LabelField, LabelSet, Role};
+use crate::regions::{Contact, RegionId, RegionMap, contacts, properties};
+
+/// The topological map of `regions`. Place numbers are region ids + 1; geometry is in the map frame.
+///
+/// Routes are laid by [`super::lay_routes`].
+///
+/// `field` gives the probability of a place: the mean over its cells of the probability of its label.
+///
+/// # Panics
+/// If `field` or `regions` do not belong to `graph`, or a label is not of `label_set`.
+pub fn build(
+    graph: &CellGraph,
+    frame: &MapFrame,
+    field: &LabelField,
+    regions: &RegionMap,
+    label_set: &LabelSet,
+) -> TopologicalMap {
+    let properties = properties(graph, frame, regions);
+    let contacts = contacts(graph, regions);
+    let centroids: Vec<Point2> = properties.iter().map(|p| frame.cells_from_map(p.centroid)).collect();
+    let anchors = anchors(graph, regions, &centroids);
+    let probabilities = mean_probabilities(field, regions);
+    let neighbors = neighbors_by_contact(regions, &contacts);
+    let mut outlines = outlines(graph, frame, regions).into_iter();
+
+    let mut places = Vec::with_capacity(regions.regions.len());
+    for (index, region) in regions.regions.iter().enumerate() {
+        let class = label_set.class(region.label);
+        let id = place_id(RegionId(index as u32));
+        let anchor = anchors[index];
+        let anchor_cell = graph.cells()[anchor];
+        let doorway = (class.role == Role::Doorway).then(|| {
+            let anchor = Point2::new(anchor_cell.x as f64 + 0.5, anchor_cell.y as f64 + 0.5);
+            doorway(graph, frame, &neighbors[index], centroids[index], anchor)
+        });
+        places.push(Place {
+            id,
+            name: format!("{} {}", class.name, id.0),
+            class: class.name.clone(),
+            role: class.role,
+            probability: probabilities[index],
+            n_cells: region.n_cells,
+            area_m2: properties[index].area_m2,
+            centroid: properties[index].centroid,
+            axes: properties[index].axes,
+            anchor: frame.center(anchor_cell),
+            clearance_m: clearance_cells(graph, regions, anchor) * frame.resolution_m(),
+            outline: outlines.next().unwrap_or_default(),
+            doorway,
+        });
+    }
+    let connections = contacts
+        .iter()
+        .map(|contact| Connection {
+            a: place_id(contact.a),
+            b: place_id(contact.b),
+            contact_m: contact.n_sides as f64 * frame.resolution_m(),
+            middle: frame.map_from_cells(contact.middle),
+            route: None,
+        })
+        .collect();
+    TopologicalMap { places, connections }
+}
+
+fn place_id(region: RegionId) -> PlaceId {
+    PlaceId(region.0 + 1)
+}
+
+/// Mean over every region's cells of the probability of its label.
+fn mean_probabilities(field: &LabelField, regions: &RegionMap) -> Vec<f64> {
+    let mut sums = vec![0.0; regions.regions.len()];
+    for (node, id) in regions.region_of.iter().enumerate() {
+        let label = regions.regions[id.index()].label;
+        sums[id.index()] += field.row(node)[label.index()] as f64;
+    }
+    sums.iter().zip(&regions.regions).map(|(sum, region)| sum / region.n_cells as f64).collect()
+}
+
+/// For every region its neighbors and the mean of the common border in cells, longest contact first (ties:
+/// larger area, then lower id).
+fn neighbors_by_contact(regions: &RegionMap, contacts: &[Contact]) -> Vec<Vec<(RegionId, Point2)>> {
+    let mut of_region: Vec<Vec<(&Contact, RegionId)>> = vec![Vec::new(); regions.regions.len()];
+    for contact in contacts {
+        of_region[contact.a.index()].push((contact, contact.b));
+        of_region[contact.b.index()].push((contact, contact.a));
+    }
+    of_region
+        .into_iter()
+        .map(|mut neighbors| {
+            neighbors.sort_by_key(|&(contact, id)| {
+                std::cmp::Reverse((contact.n_sides, regions.regions[id.index()].n_cells))
+            });
+            neighbors.into_iter().map(|(contact, id)| (id, contact.mean)).collect()
+        })
+        .collect()
+}
+
+/// The opening between the two neighbors with the longest contact. With one neighbor, the way through is
+/// taken to go straight on over the centroid; with none, every direction is looked at from the anchor.
+fn doorway(
+    graph: &CellGraph,
+    frame: &MapFrame,
+    neighbors: &[(RegionId, Point2)],
+    centroid: Point2,
+    anchor: Point2,
+) -> Doorway {
+    let (from, to) = match neighbors {
+        [] => (anchor, anchor),
+        [(_, border)] => (*border, centroid + (centroid - *border)),
+        [(_, border), (_, opposite), ..] => (*border, *opposite),
+    };
+    let Opening { width_cells, jambs } = opening(graph, from, to, anchor);
+    Doorway {
+        width_m: width_cells * frame.resolution_m(),
+        jambs: jambs.map(|jamb| frame.map_from_cells(jamb)),
+        sides: neighbors.iter().map(|&(id, _)| place_id(id)).collect(),
+    }
+}

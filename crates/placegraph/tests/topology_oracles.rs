@@ -1,0 +1,143 @@
+//! Outlines against `geo`, anchors against looking at every cell, and the invariants of the map.
+
+use geo::{Area, Contains, Coord, LineString, Polygon, Validation};
+use placegraph::geom::{Point2, Pose2};
+use placegraph::grid::{CellGraph, Grid, MapFrame, Occupancy};
+use placegraph::labels::{Label, LabelField, LabelSet, Role};
+use placegraph::regions::{DiagonalSteps, RegionMap, connected};
+use placegraph::topology::{PolygonWithHoles, TopologicalMap, build};
+use placegraph_testkit::distance::squared_clearance;
+use proptest::prelude::*;
+
+/// A map in patches: 0 is a wall, the others are label + 1.
+fn maps() -> impl Strategy<Value = (CellGraph, Vec<Label>)> {
+    (1u32..20, 1u32..20, 1u32..4).prop_flat_map(|(width, height, patch)| {
+        prop::collection::vec(0u8..4, (width * height) as usize).prop_map(move |values| {
+            let across = width.div_ceil(patch);
+            let at = |i: u32| values[((i / width / patch) * across + i % width / patch) as usize];
+            let image = Grid::from_rows(width, height, (0..width * height).map(at).collect());
+            let graph = CellGraph::new(&image.map(|&value| match value {
+                0 => Occupancy::Unknown,
+                _ => Occupancy::Free,
+            }));
+            let labels = graph.cells().iter().map(|&cell| Label(image[cell] - 1)).collect();
+            (graph, labels)
+        })
+    })
+}
+
+fn diagonals() -> impl Strategy<Value = DiagonalSteps> {
+    prop_oneof![Just(DiagonalSteps::ThroughFree), Just(DiagonalSteps::Any)]
+}
+
+fn built(graph: &CellGraph, labels: &[Label], frame: &MapFrame, regions: &RegionMap) -> TopologicalMap {
+    let rows = labels.iter().flat_map(|l| (0..3).map(|k| if k == l.index() { 0.8 } else { 0.1 })).collect();
+    build(graph, frame, &LabelField::from_rows(3, rows), regions, &LabelSet::default())
+}
+
+fn ring(points: &[Point2]) -> LineString<f64> {
+    let mut coords: Vec<Coord<f64>> = points.iter().map(|p| Coord { x: p.x, y: p.y }).collect();
+    coords.extend(coords.first().copied());
+    LineString::new(coords)
+}
+
+fn polygon(outline: &PolygonWithHoles) -> Polygon<f64> {
+    Polygon::new(ring(&outline.exterior), outline.holes.iter().map(|hole| ring(hole)).collect())
+}
+
+fn signed_area(points: &[Point2]) -> f64 {
+    Polygon::new(ring(points), vec![]).signed_area()
+}
+
+proptest! {
+    #[test]
+    fn outlines_are_valid_and_have_the_area_of_the_cells(
+        (graph, labels) in maps(),
+        diagonal in diagonals(),
+    ) {
+        // Half-meter cells and no rotation keep coordinates exact.
+        let frame = MapFrame::new(0.5, Pose2::new(-3.0, 2.0, 0.0)).unwrap();
+        let regions = connected(&graph, &labels, diagonal);
+        for place in &built(&graph, &labels, &frame, &regions).places {
+            let mut area_m2 = 0.0;
+            for outline in &place.outline {
+                let polygon = polygon(outline);
+                prop_assert!(polygon.is_valid(), "{:?}", polygon.validation_errors());
+                prop_assert!(signed_area(&outline.exterior) > 0.0);
+                prop_assert!(outline.holes.iter().all(|hole| signed_area(hole) < 0.0));
+                area_m2 += polygon.unsigned_area();
+            }
+            prop_assert!((area_m2 - place.n_cells as f64 * 0.25).abs() < 1e-9);
+            for (&cell, id) in graph.cells().iter().zip(&regions.region_of) {
+                let center = frame.center(cell);
+                let inside =
+                    place.outline.iter().any(|o| polygon(o).contains(&geo::Point::new(center.x, center.y)));
+                prop_assert_eq!(inside, id.0 + 1 == place.id.0);
+            }
+        }
+    }
+
+    #[test]
+    fn outlines_only_have_corners((graph, labels) in maps()) {
+        let frame = MapFrame::new(1.0, Pose2::default()).unwrap();
+        let regions = connected(&graph, &labels, DiagonalSteps::ThroughFree);
+        let map = built(&graph, &labels, &frame, &regions);
+        let rings = map.places.iter().flat_map(|place| &place.outline);
+        for points in rings.flat_map(|outline| std::iter::once(&outline.exterior).chain(&outline.holes)) {
+            for i in 0..points.len() {
+                let [a, b, c] = [0, 1, 2].map(|step| points[(i + step) % points.len()]);
+                prop_assert!((b - a).cross(c - b).abs() > 0.5);
+            }
+        }
+    }
+
+    #[test]
+    fn anchors_have_the_largest_clearance((graph, labels) in maps(), yaw_rad in -3.0..3.0f64) {
+        let frame = MapFrame::new(0.05, Pose2::new(1.0, 1.0, yaw_rad)).unwrap();
+        let regions = connected(&graph, &labels, DiagonalSteps::ThroughFree);
+        for (index, place) in built(&graph, &labels, &frame, &regions).places.iter().enumerate() {
+            let nodes: Vec<usize> =
+                (0..graph.n_nodes()).filter(|&n| regions.region_of[n].index() == index).collect();
+            let largest = nodes.iter().map(|&n| squared_clearance(&graph, &regions, n)).max().unwrap();
+            let from_centroid = |n: usize| frame.center(graph.cells()[n]).distance(place.centroid);
+            let best: Vec<usize> = nodes
+                .into_iter()
+                .filter(|&n| squared_clearance(&graph, &regions, n) == largest)
+                .collect();
+            let anchor = graph.node_at(frame.cell_at(place.anchor).unwrap()).unwrap();
+            prop_assert!(best.contains(&anchor));
+            let nearest = best.iter().map(|&n| from_centroid(n)).fold(f64::INFINITY, f64::min);
+            prop_assert!(from_centroid(anchor) < nearest + 1e-9);
+            // The nearest side is half a cell to half a diagonal nearer than the nearest center.
+            let gap = (largest as f64).sqrt() - place.clearance_m / 0.05;
+            prop_assert!((0.5 - 1e-9..=0.7072).contains(&gap), "{}", gap);
+        }
+    }
+
+    #[test]
+    fn the_map_keeps_its_invariants((graph, labels) in maps(), diagonal in diagonals()) {
+        let frame = MapFrame::new(0.05, Pose2::default()).unwrap();
+        let regions = connected(&graph, &labels, diagonal);
+        let map = built(&graph, &labels, &frame, &regions);
+        prop_assert_eq!(map.places.len(), regions.regions.len());
+        for (index, place) in map.places.iter().enumerate() {
+            prop_assert_eq!(place.id.0 as usize, index + 1);
+            prop_assert!((place.probability - 0.8).abs() < 1e-6);
+            prop_assert_eq!(place.doorway.is_some(), place.role == Role::Doorway);
+            if let Some(doorway) = &place.doorway {
+                let touching = map.connections_of(place.id).count();
+                prop_assert_eq!(doorway.sides.len(), touching);
+                let [a, b] = doorway.jambs;
+                prop_assert!((a.distance(b) - doorway.width_m).abs() < 1e-9);
+                prop_assert!(doorway.width_m > 0.0);
+                let contact = |side| {
+                    let with = map.connections_of(place.id).find(|c| c.a == side || c.b == side);
+                    with.unwrap().contact_m
+                };
+                prop_assert!(doorway.sides.windows(2).all(|s| contact(s[0]) >= contact(s[1])));
+            }
+        }
+        prop_assert!(map.connections.windows(2).all(|c| (c[0].a, c[0].b) < (c[1].a, c[1].b)));
+        prop_assert!(map.connections.iter().all(|c| c.a < c.b && map.place(c.b).is_some()));
+    }
+}
