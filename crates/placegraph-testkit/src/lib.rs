@@ -2,3 +2,4 @@
 
 pub mod distance;
 pub mod regions;
+pub mod segments;
