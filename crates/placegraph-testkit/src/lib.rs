@@ -6,3 +6,4 @@ pub mod distance;
 pub mod networks;
 pub mod regions;
 pub mod relax;
+pub mod segments;

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::json_layout;
 use crate::geom::{EllipseAxes, Point2, Pose2};
-use crate::grid::{MapFrame, OccupancyGrid};
+use crate::grid::{FrameError, GridShape, MapFrame, OccupancyGrid};
 use crate::labels::{Class, LabelSet};
-use crate::topology::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, TopologicalMap};
+use crate::topology::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
 
 /// What the member `format` of every document says.
 pub const FORMAT: &str = "placegraph-topology";
@@ -178,8 +178,19 @@ impl MapInfo {
     }
 }
 
+impl MapInfo {
+    /// The grid that the document's outlines run along.
+    ///
+    /// # Errors
+    /// If the resolution or the origin is no frame; never for a document that was read.
+    pub fn shape(&self) -> Result<GridShape, FrameError> {
+        let frame = MapFrame::new(self.resolution_m, self.origin)?;
+        Ok(GridShape { frame, width: self.width, height: self.height })
+    }
+}
+
 impl TopologyDocument {
-    /// A document of `topology`, without timings and findings. Measures are rounded to four decimals (0.1 mm),
+    /// A document of `topology`, without timings and findings. Measures are rounded to four decimals (points and areas to nine),
     /// so that the same bytes come out when the document is read and written again.
     pub fn new(
         map: MapInfo,
@@ -293,8 +304,13 @@ fn rounded(value: f64) -> f64 {
     (value * 1e4).round() / 1e4 + 0.0
 }
 
+/// Points and areas keep nine decimals: outlines of rotated or fine maps must still have the area they name.
+fn rounded_finely(value: f64) -> f64 {
+    (value * 1e9).round() / 1e9 + 0.0
+}
+
 fn rounded_point(point: Point2) -> Point2 {
-    Point2::new(rounded(point.x), rounded(point.y))
+    Point2::new(rounded_finely(point.x), rounded_finely(point.y))
 }
 
 fn rounded_points(points: &[Point2]) -> Vec<Point2> {
@@ -305,7 +321,7 @@ fn rounded_place(place: &Place) -> Place {
     let EllipseAxes { major_m, minor_m, direction_rad } = place.axes;
     Place {
         probability: rounded(place.probability),
-        area_m2: rounded(place.area_m2),
+        area_m2: rounded_finely(place.area_m2),
         centroid: rounded_point(place.centroid),
         axes: EllipseAxes {
             major_m: rounded(major_m),
@@ -335,7 +351,10 @@ fn rounded_connection(connection: &Connection) -> Connection {
     Connection {
         contact_m: rounded(connection.contact_m),
         middle: rounded_point(connection.middle),
-        path: rounded_points(&connection.path),
+        route: connection
+            .route
+            .as_ref()
+            .map(|route| Route { length_m: rounded(route.length_m), line: rounded_points(&route.line) }),
         ..*connection
     }
 }

@@ -1,18 +1,43 @@
-//! Types to bytes: label images, topology, pictures.
+//! Types to bytes: label images, topology, pictures, and the files of other programs (`docs/exports.md`).
 
 mod canvas;
+mod dot;
+mod error;
+mod geojson;
+mod graphml;
 mod json;
 mod json_layout;
+mod nav2_masks;
+mod nav2_route;
 mod npy;
 mod overlay;
 mod overview;
 mod page;
 mod raster;
+mod report;
+mod rmf;
 mod scan_picture;
+mod svg;
+mod tmap2;
+mod waypoints;
+mod yaml;
 
+pub use dot::dot;
+pub use error::ExportError;
+pub use geojson::regions_geojson;
+pub use graphml::graphml;
 pub use json::{FORMAT, MapInfo, ModelInfo, ProgramInfo, TopologyDocument, TopologyError, VERSION};
+pub use nav2_masks::{
+    Keepout, MaskFiles, MaskSheet, Rotated, SpeedLimit, ValueOf, ZonePer, keepout_mask, speed_mask,
+    vector_shapes, zone_mask,
+};
+pub use nav2_route::nav2_route;
 pub use npy::probability_npy;
 pub use overlay::{View, overlay_svg};
 pub use overview::overview_png;
 pub use raster::{RasterError, label_png, raster_yaml, region_png};
+pub use report::{ReportInput, report_html};
+pub use rmf::{RmfInfo, rmf_building, rmf_nav_graph};
 pub use scan_picture::scan_png;
+pub use svg::regions_svg;
+pub use tmap2::{TmapInfo, tmap2};

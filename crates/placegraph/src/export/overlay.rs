@@ -152,7 +152,8 @@ fn edges(svg: &mut String, topology: &TopologicalMap, view: &View) {
             r#"<g fill="none" stroke="{color}" stroke-opacity="{opacity}" stroke-width="{width:.2}" stroke-linejoin="round">"#
         );
         for connection in &topology.connections {
-            push!(svg, r#"<path d="{}"/>"#, path_data(&connection.path, view));
+            let Some(route) = &connection.route else { continue };
+            push!(svg, r#"<path d="{}"/>"#, path_data(&route.line, view));
         }
         push!(svg, "</g>");
     }

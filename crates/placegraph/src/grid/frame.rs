@@ -62,6 +62,11 @@ impl MapFrame {
         self.map_from_grid
     }
 
+    /// A frame of the same resolution whose lower left corner stands at `map_from_grid`.
+    pub(super) fn moved_to(self, map_from_grid: Pose2) -> Self {
+        Self { map_from_grid, ..self }
+    }
+
     /// Takes a point given in cells from the lower left corner of the grid to meters in the map frame.
     pub fn map_from_cells(&self, point: Point2) -> Point2 {
         self.map_from_grid.apply(Point2::new(point.x * self.resolution_m, point.y * self.resolution_m))

@@ -9,9 +9,11 @@ mod frame;
 mod grid;
 mod neighbors;
 mod occupancy;
+mod shape;
 
 pub use cell_graph::CellGraph;
 pub use frame::{FrameError, MapFrame};
 pub use grid::{Cell, Grid};
 pub use neighbors::Connectivity;
 pub use occupancy::{Occupancy, OccupancyGrid};
+pub use shape::GridShape;

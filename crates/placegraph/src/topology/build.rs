@@ -7,14 +7,16 @@ use rayon::prelude::*;
 use super::clearance::{anchors, clearance_cells};
 use super::opening::{Opening, opening};
 use super::outline::outlines;
-use super::paths::paths;
+use super::routes::lay_routes;
 use super::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, TopologicalMap};
 use crate::geom::Point2;
-use crate::grid::{Cell, CellGraph, MapFrame};
+use crate::grid::{CellGraph, MapFrame};
 use crate::labels::{LabelField, LabelSet, Role};
 use crate::regions::{Contact, RegionId, RegionMap, contacts, properties};
 
 /// The topological map of `regions`. Place numbers are region ids + 1; geometry is in the map frame.
+///
+/// Routes are laid by [`super::lay_routes`].
 ///
 /// `field` gives the probability of a place: the mean over its cells of the probability of its label.
 ///
@@ -31,8 +33,7 @@ pub fn build(
     let contacts = contacts(graph, regions);
     let centroids: Vec<Point2> = properties.iter().map(|p| frame.cells_from_map(p.centroid)).collect();
     let anchors = anchors(graph, regions, &centroids);
-    let (outlines, paths) =
-        rayon::join(|| outlines(graph, frame, regions), || paths(graph, regions, &anchors, &contacts));
+    let outlines = outlines(graph, frame, regions);
     let probabilities = mean_probabilities(field, regions);
     let neighbors = neighbors_by_contact(regions, &contacts);
 
@@ -61,17 +62,19 @@ pub fn build(
             doorway,
         }
     };
-    let connection = |(contact, path): (&Contact, Vec<Cell>)| Connection {
+    let connection = |contact: &Contact| Connection {
         a: place_id(contact.a),
         b: place_id(contact.b),
         contact_m: contact.n_sides as f64 * frame.resolution_m(),
         middle: frame.map_from_cells(contact.middle),
-        path: path.into_iter().map(|cell| frame.center(cell)).collect(),
+        route: None,
     };
-    TopologicalMap {
+    let mut map = TopologicalMap {
         places: outlines.into_par_iter().enumerate().map(place).collect(),
-        connections: contacts.iter().zip(paths).map(connection).collect(),
-    }
+        connections: contacts.iter().map(connection).collect(),
+    };
+    lay_routes(&mut map, frame, graph, regions);
+    map
 }
 
 fn place_id(region: RegionId) -> PlaceId {

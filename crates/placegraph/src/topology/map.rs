@@ -79,8 +79,49 @@ pub struct Connection {
     pub contact_m: f64,
     /// The point of the common border nearest to its mean.
     pub middle: Point2,
-    /// Straight lines from the anchor of `a` to the anchor of `b` that stay inside the two places.
-    pub path: Vec<Point2>,
+    /// The way between the two places through free cells; absent if there is none, or if it was not computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub route: Option<Route>,
+}
+
+/// A way through free cells from one place's station to another's. The station of a doorway is at its center,
+/// that of any other place at its anchor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Route {
+    /// Length of the line, in meters.
+    pub length_m: f64,
+    /// Corners of the line, from the station of `a` to that of `b`; every cell it touches is free.
+    pub line: Vec<Point2>,
+}
+
+impl Route {
+    /// The route along `line`.
+    pub fn along(line: Vec<Point2>) -> Self {
+        let length_m = line.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
+        Self { length_m, line }
+    }
+
+    /// The same way in the other direction.
+    pub fn reversed(&self) -> Self {
+        Self { length_m: self.length_m, line: self.line.iter().rev().copied().collect() }
+    }
+}
+
+impl Connection {
+    /// The end that is not `place`.
+    pub fn other_end(&self, place: PlaceId) -> PlaceId {
+        if self.a == place { self.b } else { self.a }
+    }
+
+    /// The line of the route when one leaves from `place`; empty without a route.
+    pub fn line_from(&self, place: PlaceId) -> Vec<Point2> {
+        match &self.route {
+            Some(route) if place == self.a => route.line.clone(),
+            Some(route) => route.reversed().line,
+            None => Vec::new(),
+        }
+    }
 }
 
 /// Places and the connections between them. Ends of connections exist, no pair stands twice, `a < b`.
@@ -97,6 +138,15 @@ impl TopologicalMap {
     /// The place numbered `id`.
     pub fn place(&self, id: PlaceId) -> Option<&Place> {
         self.places.binary_search_by_key(&id, |place| place.id).ok().map(|index| &self.places[index])
+    }
+
+    /// Where routes enter and leave `place`: the end of its routes, or its anchor if it has none.
+    pub fn station(&self, place: &Place) -> Point2 {
+        let line = self.connections_of(place.id).find_map(|connection| {
+            let line = &connection.route.as_ref()?.line;
+            if connection.a == place.id { line.first() } else { line.last() }.copied()
+        });
+        line.unwrap_or(place.anchor)
     }
 
     /// The connections of the place numbered `id`.

@@ -1,12 +1,21 @@
-//! The topological map: places, doorways and how they connect (Sect. 4.7).
+//! The topological map: places, doorways and how they connect (Sect. 4.7); routes between them; what keeps
+//! their names over time; and the questions one asks of it.
 
 mod build;
 mod clearance;
+pub mod edits;
+pub mod identity;
 mod map;
 mod opening;
 mod outline;
-mod paths;
+pub mod query;
+mod raster;
+mod routes;
+mod segment;
 
 pub use crate::geom::EllipseAxes;
 pub use build::build;
-pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, TopologicalMap};
+pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
+pub use raster::{PlaceRaster, PlaceSpan};
+pub use routes::{COMFORT_M, lay_routes};
+pub(crate) use segment::all_touched;

@@ -1,0 +1,51 @@
+//! Why a map cannot be written in a format.
+
+/// Why a map cannot be written in a format.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// The consumer refuses a graph without edges.
+    #[error("expected at least one connection with a route, found none: a route graph needs an edge")]
+    NoRoute,
+    /// Costmap masks are read without their rotation.
+    #[error(
+        "expected a map without rotation, found {yaw_rad} rad: masks ignore it; resample the mask instead"
+    )]
+    Rotated {
+        /// The rotation found.
+        yaw_rad: f64,
+    },
+    /// A mask's value has no room in a cell.
+    #[error("expected a value from {min} to {max} for {subject:?}, found {found}")]
+    Value {
+        /// The class or place that it was given for.
+        subject: String,
+        /// Smallest value.
+        min: f64,
+        /// Largest value.
+        max: f64,
+        /// The value found.
+        found: f64,
+    },
+    /// A mask holds at most 100 states.
+    #[error("expected at most 100 zones, found {found}: make one zone per class instead")]
+    TooManyZones {
+        /// How many there are.
+        found: usize,
+    },
+    /// The writer of the format refused; cannot happen for maps that this library built.
+    #[error("cannot write {format}: {message}")]
+    Writer {
+        /// Name of the format.
+        format: &'static str,
+        /// What its writer says.
+        message: String,
+    },
+}
+
+impl ExportError {
+    /// Wraps what the writer of `format` said.
+    pub(super) fn writer(format: &'static str, error: &impl std::fmt::Display) -> Self {
+        Self::Writer { format, message: error.to_string() }
+    }
+}

@@ -1,0 +1,375 @@
+//! Nav2 costmap filter masks: keep-out, speed and zone parameters, each an image with its map file and the
+//! parameters of the servers that publish it; and the vector-object server's shapes.
+//!
+//! Masks are images of mode raw: a pixel is the cell's value, 0 to 100, or 255 for unknown. Costmaps ignore a
+//! rotation of the mask, so a rotated map is refused, or resampled on an upright grid.
+
+use std::collections::BTreeMap;
+
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use serde::{Deserialize, Serialize};
+use serde_saphyr::FlowSeq;
+
+use super::ExportError;
+use super::yaml::{tenth_mm, yaml_bytes};
+use crate::grid::{Grid, GridShape};
+use crate::topology::{Place, PlaceRaster, TopologicalMap};
+
+/// A mask and what its servers need to know.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MaskFiles {
+    /// Gray image, PNG.
+    pub image: Vec<u8>,
+    /// Map file of the image, YAML.
+    pub map: Vec<u8>,
+    /// Parameters of the mask server, the filter info server and the costmap's filter, YAML.
+    pub parameters: Vec<u8>,
+}
+
+/// How masks of a rotated map are made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rotated {
+    /// Not at all.
+    #[default]
+    Refuse,
+    /// On an upright grid of the same resolution; borders move by up to half a cell.
+    Resample,
+}
+
+/// What a mask is drawn on, and how its files are called.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaskSheet {
+    /// The grid of the map.
+    pub shape: GridShape,
+    /// How a rotated grid is treated.
+    pub rotated: Rotated,
+    /// Name of the image file that the map file refers to.
+    pub image_name: String,
+    /// Name of the map file that the parameters refer to.
+    pub map_name: String,
+    /// Name of the frame.
+    pub frame_id: String,
+}
+
+/// A value per class, with exceptions for places by name.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ValueOf {
+    /// By name of the class.
+    pub class: BTreeMap<String, f64>,
+    /// By name of the place; wins over its class.
+    pub place: BTreeMap<String, f64>,
+}
+
+impl ValueOf {
+    fn get(&self, place: &Place) -> Option<f64> {
+        self.place.get(&place.name).or_else(|| self.class.get(&place.class)).copied()
+    }
+
+    fn check(&self, min: f64, max: f64) -> Result<(), ExportError> {
+        for (subject, &found) in self.class.iter().chain(&self.place) {
+            if !(min..=max).contains(&found) {
+                return Err(ExportError::Value { subject: subject.clone(), min, max, found });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Where a robot must not go.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Keepout {
+    /// 100 forbids, 1 to 99 makes dearer, 0 has no effect. Without an entry: 0.
+    pub cost: ValueOf,
+    /// Cost of the cells that belong to no place: walls, unknown space.
+    pub elsewhere: u8,
+}
+
+impl Default for Keepout {
+    /// Places are free, everything else is forbidden.
+    fn default() -> Self {
+        Self { cost: ValueOf::default(), elsewhere: 100 }
+    }
+}
+
+/// How fast a robot may go.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, tag = "unit", rename_all = "snake_case")]
+pub enum SpeedLimit {
+    /// In percent of the robot's maximum, above 0 to 100.
+    Percent {
+        /// The limits; without an entry there is none.
+        limit: ValueOf,
+    },
+    /// In meters per second, above 0. A cell holds a hundredth of the largest limit.
+    MetersPerSecond {
+        /// The limits; without an entry there is none.
+        limit: ValueOf,
+    },
+}
+
+impl Default for SpeedLimit {
+    /// Half speed in doorways.
+    fn default() -> Self {
+        let class = BTreeMap::from([("doorway".to_owned(), 50.0)]);
+        Self::Percent { limit: ValueOf { class, place: BTreeMap::new() } }
+    }
+}
+
+/// What makes a zone of its own in the zone mask.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ZonePer {
+    /// Every class.
+    #[default]
+    Class,
+    /// Every place; at most 100.
+    Place,
+}
+
+/// The keep-out mask (filter type 0).
+///
+/// # Errors
+/// If the map is rotated and that is refused, or a cost is not in 0 to 100.
+pub fn keepout_mask(
+    map: &TopologicalMap,
+    sheet: &MaskSheet,
+    keepout: &Keepout,
+) -> Result<MaskFiles, ExportError> {
+    keepout.cost.check(0.0, 100.0)?;
+    let paint = |place: &Place| keepout.cost.get(place).unwrap_or(0.0).round() as u8;
+    let filter = Filter::new("keepout_filter", "nav2_costmap_2d::KeepoutFilter", 0);
+    mask_files(map, sheet, keepout.elsewhere.min(100), paint, filter)
+}
+
+/// The speed mask (filter type 1 in percent, 2 in meters per second).
+///
+/// # Errors
+/// If the map is rotated and that is refused, or a limit is not above 0 (and at most 100 in percent).
+pub fn speed_mask(
+    map: &TopologicalMap,
+    sheet: &MaskSheet,
+    speed: &SpeedLimit,
+) -> Result<MaskFiles, ExportError> {
+    let (limit, kind, max) = match speed {
+        SpeedLimit::Percent { limit } => (limit, 1, 100.0),
+        SpeedLimit::MetersPerSecond { limit } => {
+            (limit, 2, limit.class.values().chain(limit.place.values()).copied().fold(0.01, f64::max))
+        }
+    };
+    limit.check(max / 100.0, max)?;
+    // A cell of 0 would be no limit at all.
+    let paint =
+        |place: &Place| limit.get(place).map_or(0, |value| (100.0 * value / max).round().max(1.0) as u8);
+    let mut filter = Filter::new("speed_filter", "nav2_costmap_2d::SpeedFilter", kind);
+    filter.multiplier = max / 100.0;
+    mask_files(map, sheet, 0, paint, filter)
+}
+
+/// The zone-parameter mask (filter type 4): a state per class or per place, numbered from 1; elsewhere 0, the
+/// nominal values. The parameters declare every state with one set-point as an example: a state that is not
+/// declared is an error in Nav2.
+///
+/// # Errors
+/// If the map is rotated and that is refused, or there are more than 100 zones.
+pub fn zone_mask(map: &TopologicalMap, sheet: &MaskSheet, per: ZonePer) -> Result<MaskFiles, ExportError> {
+    let key = |place: &Place| match per {
+        ZonePer::Class => place.class.clone(),
+        ZonePer::Place => place.name.clone(),
+    };
+    let mut zones: Vec<String> = Vec::new();
+    for zone in map.places.iter().map(key) {
+        if !zones.contains(&zone) {
+            zones.push(zone);
+        }
+    }
+    if zones.len() > 100 {
+        return Err(ExportError::TooManyZones { found: zones.len() });
+    }
+    let id =
+        |place: &Place| zones.iter().position(|zone| *zone == key(place)).map_or(0, |index| index as u8 + 1);
+    let mut filter = Filter::new("zone_parameter_filter", "nav2_costmap_2d::ZoneParameterFilter", 4);
+    filter.zones = zones.clone();
+    mask_files(map, sheet, 0, id, filter)
+}
+
+/// A costmap filter and how it reads its mask.
+struct Filter {
+    name: &'static str,
+    plugin: &'static str,
+    kind: u8,
+    multiplier: f64,
+    zones: Vec<String>,
+}
+
+impl Filter {
+    fn new(name: &'static str, plugin: &'static str, kind: u8) -> Self {
+        Self { name, plugin, kind, multiplier: 1.0, zones: Vec::new() }
+    }
+}
+
+fn mask_files(
+    map: &TopologicalMap,
+    sheet: &MaskSheet,
+    elsewhere: u8,
+    paint: impl Fn(&Place) -> u8,
+    filter: Filter,
+) -> Result<MaskFiles, ExportError> {
+    let yaw_rad = sheet.shape.frame.map_from_grid().yaw_rad;
+    let shape = match sheet.rotated {
+        _ if yaw_rad.abs() < 1e-12 => sheet.shape,
+        Rotated::Refuse => return Err(ExportError::Rotated { yaw_rad }),
+        Rotated::Resample => sheet.shape.upright(),
+    };
+    let raster = PlaceRaster::new(map, shape);
+    let mut cells = Grid::filled(shape.width, shape.height, elsewhere);
+    for y in 0..shape.height {
+        for span in raster.row(y) {
+            let Some(place) = map.place(span.place) else { continue };
+            let start = y as usize * shape.width as usize;
+            cells.values_mut()[start + span.start as usize..start + span.end as usize].fill(paint(place));
+        }
+    }
+    Ok(MaskFiles {
+        image: gray_png(&cells)?,
+        map: map_yaml(&shape, &sheet.image_name)?,
+        parameters: parameters_yaml(sheet, &filter)?,
+    })
+}
+
+/// The image of `cells`, first row on top.
+fn gray_png(cells: &Grid<u8>) -> Result<Vec<u8>, ExportError> {
+    let pixels: Vec<u8> = (0..cells.height()).rev().flat_map(|y| cells.row(y)).copied().collect();
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes)
+        .write_image(&pixels, cells.width(), cells.height(), ExtendedColorType::L8)
+        .map_err(|error| ExportError::writer("PNG", &error))?;
+    Ok(bytes)
+}
+
+#[derive(Serialize)]
+struct MapYaml<'a> {
+    image: &'a str,
+    mode: &'a str,
+    resolution: f64,
+    origin: FlowSeq<[f64; 3]>,
+    negate: u8,
+    occupied_thresh: f64,
+    free_thresh: f64,
+}
+
+fn map_yaml(shape: &GridShape, image: &str) -> Result<Vec<u8>, ExportError> {
+    let origin = shape.frame.map_from_grid();
+    let file = MapYaml {
+        image,
+        mode: "raw",
+        resolution: shape.frame.resolution_m(),
+        origin: FlowSeq([origin.x, origin.y, 0.0].map(|v| (v * 1e9).round() / 1e9 + 0.0)),
+        negate: 0,
+        // Without meaning in this mode, but the reader asks for them.
+        occupied_thresh: 0.65,
+        free_thresh: 0.196,
+    };
+    yaml_bytes(&file, "mask map")
+}
+
+/// Nested parameters of ROS nodes.
+type Parameters = serde_json::Value;
+
+fn parameters_yaml(sheet: &MaskSheet, filter: &Filter) -> Result<Vec<u8>, ExportError> {
+    use serde_json::json;
+    let (info_topic, mask_topic) = (format!("/{}_info", filter.name), format!("/{}_mask", filter.name));
+    let mut plugin = json!({
+        "plugin": filter.plugin,
+        "enabled": true,
+        "filter_info_topic": info_topic,
+    });
+    if filter.kind == 4 {
+        add_zones(&mut plugin, &filter.zones);
+    }
+    let node = |parameters: Parameters| json!({ "ros__parameters": parameters });
+    let file = json!({
+        "filter_mask_server": node(json!({
+            "yaml_filename": sheet.map_name,
+            "topic_name": mask_topic,
+            "frame_id": sheet.frame_id,
+        })),
+        "costmap_filter_info_server": node(json!({
+            "type": filter.kind,
+            "filter_info_topic": info_topic,
+            "mask_topic": mask_topic,
+            "base": 0.0,
+            "multiplier": filter.multiplier,
+        })),
+        "global_costmap": { "global_costmap": node(json!({ "filters": [filter.name], filter.name: plugin })) },
+    });
+    yaml_bytes(&file, "filter parameters")
+}
+
+/// Declares the states, and a set-point and its nominal value for each to start from.
+fn add_zones(plugin: &mut Parameters, zones: &[String]) {
+    use serde_json::json;
+    let setpoint = |value: f64| json!({ "node": "controller_server", "parameter": "FollowPath.max_vel_x", "value": value });
+    // Names of parameters hold letters, digits and underscores.
+    let state = |index: usize, zone: &str| {
+        let word: String = zone.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+        format!("zone_{}_{word}", index + 1)
+    };
+    let names: Vec<String> = zones.iter().enumerate().map(|(index, zone)| state(index, zone)).collect();
+    for (index, name) in names.iter().enumerate() {
+        plugin[name] = json!({ "id": index + 1, "setpoints": ["max_vel_x"], "max_vel_x": setpoint(0.5) });
+    }
+    plugin["states"] = json!(names);
+    plugin["state_event_topic"] = json!("zone_filter_state");
+    plugin["nominal_defaults"] = json!(["max_vel_x"]);
+    plugin["nominal_defaults.max_vel_x"] = setpoint(0.5);
+}
+
+/// The vector-object server's parameters: a polygon per place with the value of `keepout`, no raster. A place
+/// without an entry is left out. Holes cannot be expressed: what a place surrounds is covered as well.
+///
+/// # Errors
+/// If a cost is not in 0 to 100.
+pub fn vector_shapes(
+    map: &TopologicalMap,
+    shape: &GridShape,
+    frame_id: &str,
+    keepout: &Keepout,
+) -> Result<Vec<u8>, ExportError> {
+    use serde_json::json;
+    keepout.cost.check(0.0, 100.0)?;
+    let mut parameters = json!({
+        "map_topic": "vo_map",
+        "global_frame_id": frame_id,
+        "resolution": shape.frame.resolution_m(),
+        "default_value": -1,
+        "overlay_type": 0,
+        "update_frequency": 1.0,
+        "transform_tolerance": 0.1,
+    });
+    let mut names = Vec::new();
+    for place in &map.places {
+        let value = keepout.cost.get(place).unwrap_or(0.0).round() as u8;
+        for (part, polygon) in place.outline.iter().enumerate() {
+            let name = format!("place_{}_{part}", place.id.0);
+            let points: Vec<f64> =
+                polygon.exterior.iter().flat_map(|p| [tenth_mm(p.x), tenth_mm(p.y)]).collect();
+            parameters[&name] = json!({
+                "type": "polygon", "frame_id": frame_id, "closed": true, "value": value, "points": points,
+            });
+            names.push(name);
+        }
+    }
+    parameters["shapes"] = json!(names);
+    let file = json!({
+        "vector_object_server": { "ros__parameters": parameters },
+        "costmap_filter_info_server": { "ros__parameters": {
+            "type": 0, "filter_info_topic": "vo_costmap_filter_info", "mask_topic": "vo_map",
+            "base": 0.0, "multiplier": 1.0,
+        } },
+    });
+    yaml_bytes(&file, "vector shapes")
+}

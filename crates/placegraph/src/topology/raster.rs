@@ -1,0 +1,121 @@
+//! Which place every cell belongs to, recovered from the outlines: per row the stretches of cells whose centers
+//! lie inside (even–odd rule).
+//!
+//! Outlines run along the sides of cells, so on the grid that they were made from the result is exact; on any
+//! other grid it is the resampled map. Cost: `O(e log e)` for e crossings of outlines with rows; memory grows
+//! with the outlines, not with the map.
+
+use super::{PlaceId, TopologicalMap, all_touched};
+use crate::geom::Point2;
+use crate::grid::{Cell, GridShape};
+
+/// Neighboring cells of a row that belong to one place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlaceSpan {
+    /// Column of the leftmost cell.
+    pub start: u32,
+    /// Column after the rightmost cell.
+    pub end: u32,
+    /// The place.
+    pub place: PlaceId,
+}
+
+/// The places as rows of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PlaceRaster {
+    shape: GridShape,
+    spans: Vec<PlaceSpan>,
+    /// Where the spans of a row begin; one more entry than rows.
+    row_starts: Vec<usize>,
+}
+
+/// Where an outline crosses the center line of a row.
+struct Crossing {
+    row: u32,
+    place: PlaceId,
+    x: f64,
+}
+
+impl PlaceRaster {
+    /// The places of `map` on the grid `shape`.
+    pub fn new(map: &TopologicalMap, shape: GridShape) -> Self {
+        let mut crossings = crossings(map, &shape);
+        crossings.sort_by(|a, b| (a.row, a.place).cmp(&(b.row, b.place)).then(a.x.total_cmp(&b.x)));
+        let mut rows = vec![Vec::new(); shape.height as usize];
+        for pair in
+            crossings.chunk_by(|a, b| (a.row, a.place) == (b.row, b.place)).flat_map(|c| c.chunks_exact(2))
+        {
+            // The first cell whose center lies right of x.
+            let column = |x: f64| (x - 0.5).ceil().clamp(0.0, shape.width as f64) as u32;
+            let span = PlaceSpan { start: column(pair[0].x), end: column(pair[1].x), place: pair[0].place };
+            if span.start < span.end {
+                rows[pair[0].row as usize].push(span);
+            }
+        }
+        let mut raster = Self { shape, spans: Vec::new(), row_starts: vec![0] };
+        for mut row in rows {
+            row.sort_by_key(|span| span.start);
+            raster.spans.append(&mut row);
+            raster.row_starts.push(raster.spans.len());
+        }
+        raster
+    }
+
+    /// The grid.
+    pub fn shape(&self) -> GridShape {
+        self.shape
+    }
+
+    /// The stretches of row `y`, from the left.
+    pub fn row(&self, y: u32) -> &[PlaceSpan] {
+        &self.spans[self.row_starts[y as usize]..self.row_starts[y as usize + 1]]
+    }
+
+    /// The place that `cell` belongs to. Cost: logarithmic in the stretches of its row.
+    pub fn place_in(&self, cell: Cell) -> Option<PlaceId> {
+        if cell.y >= self.shape.height {
+            return None;
+        }
+        let row = self.row(cell.y);
+        let after = row.partition_point(|span| span.start <= cell.x);
+        let span = row[..after].last()?;
+        (cell.x < span.end).then_some(span.place)
+    }
+
+    /// The place that contains `point` of the map frame.
+    pub fn place_at(&self, point: Point2) -> Option<PlaceId> {
+        self.place_in(self.shape.cell_at(point)?)
+    }
+
+    /// Whether all cells that the segment from `a` to `b` of the map frame touches belong to places.
+    pub fn is_free_between(&self, a: Point2, b: Point2) -> bool {
+        let [a, b] = [a, b].map(|point| self.shape.frame.cells_from_map(point));
+        all_touched(a, b, |x, y| {
+            let cell = u32::try_from(x).ok().zip(u32::try_from(y).ok());
+            cell.is_some_and(|(x, y)| self.place_in(Cell::new(x, y)).is_some())
+        })
+    }
+}
+
+fn crossings(map: &TopologicalMap, shape: &GridShape) -> Vec<Crossing> {
+    let mut crossings = Vec::new();
+    for place in &map.places {
+        for ring in
+            place.outline.iter().flat_map(|polygon| std::iter::once(&polygon.exterior).chain(&polygon.holes))
+        {
+            let corners: Vec<Point2> =
+                ring.iter().map(|&corner| shape.frame.cells_from_map(corner)).collect();
+            for (index, &from) in corners.iter().enumerate() {
+                let to = corners[(index + 1) % corners.len()];
+                let (low, high) = if from.y <= to.y { (from, to) } else { (to, from) };
+                // Rows whose center line y + 1/2 lies in [low.y, high.y).
+                let row = |y: f64| (y - 0.5).ceil().clamp(0.0, shape.height as f64) as u32;
+                crossings.extend((row(low.y)..row(high.y)).map(|row| {
+                    let t = (row as f64 + 0.5 - low.y) / (high.y - low.y);
+                    Crossing { row, place: place.id, x: low.x + t * (high.x - low.x) }
+                }));
+            }
+        }
+    }
+    crossings
+}

@@ -1,0 +1,72 @@
+//! The cells that a straight line touches.
+
+use crate::geom::Point2;
+
+/// A line that comes nearer to a cell than this touches it, in cells. Covers what exporters round away and the
+/// way to the map frame and back.
+const TOUCH: f64 = 1e-2;
+
+/// Whether `accept` holds for every cell that the segment from `a` to `b` touches, all in cells from the lower
+/// left corner of the grid. A line through a corner touches all four cells there, a line along a side the
+/// cells on both of its sides.
+///
+/// Cost: linear in the cells touched; stops at the first that is not accepted.
+pub(crate) fn all_touched(a: Point2, b: Point2, mut accept: impl FnMut(i64, i64) -> bool) -> bool {
+    let (left, right) = if a.x <= b.x { (a, b) } else { (b, a) };
+    let slope = (right.y - left.y) / (right.x - left.x);
+    let y_at = |x: f64| {
+        // A vertical line has no slope: its only column holds both ends.
+        if right.x - left.x < TOUCH {
+            None
+        } else {
+            Some(left.y + (x.clamp(left.x, right.x) - left.x) * slope)
+        }
+    };
+    let cell = |v: f64| v.floor() as i64;
+    (cell(left.x - TOUCH)..=cell(right.x + TOUCH)).all(|column| {
+        let ends = [column as f64 - TOUCH, column as f64 + 1.0 + TOUCH].map(y_at);
+        let (from, to) = match ends {
+            [Some(from), Some(to)] => (from.min(to), from.max(to)),
+            _ => (left.y.min(right.y), left.y.max(right.y)),
+        };
+        (cell(from - TOUCH)..=cell(to + TOUCH)).all(|row| accept(column, row))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn touched(a: (f64, f64), b: (f64, f64)) -> Vec<(i64, i64)> {
+        let mut cells = Vec::new();
+        all_touched(Point2::new(a.0, a.1), Point2::new(b.0, b.1), |x, y| {
+            cells.push((x, y));
+            true
+        });
+        cells
+    }
+
+    #[test]
+    fn straight_lines_between_centers() {
+        assert_eq!(touched((0.5, 0.5), (2.5, 0.5)), [(0, 0), (1, 0), (2, 0)]);
+        assert_eq!(touched((0.5, 2.5), (0.5, 0.5)), [(0, 0), (0, 1), (0, 2)]);
+        assert_eq!(touched((0.5, 0.5), (0.5, 0.5)), [(0, 0)]);
+    }
+
+    #[test]
+    fn a_line_through_a_corner_touches_all_four_cells() {
+        assert_eq!(touched((0.5, 0.5), (1.5, 1.5)), [(0, 0), (0, 1), (1, 0), (1, 1)]);
+        assert_eq!(touched((1.5, 0.5), (0.5, 1.5)), [(0, 0), (0, 1), (1, 0), (1, 1)]);
+    }
+
+    #[test]
+    fn a_line_along_a_side_touches_both_sides() {
+        assert_eq!(touched((0.5, 1.0), (1.5, 1.0)), [(0, 0), (0, 1), (1, 0), (1, 1)]);
+    }
+
+    #[test]
+    fn a_flat_diagonal() {
+        // From (0.5, 0.5) to (3.5, 1.5): crosses y = 1 at x = 2.
+        assert_eq!(touched((0.5, 0.5), (3.5, 1.5)), [(0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (3, 1)]);
+    }
+}

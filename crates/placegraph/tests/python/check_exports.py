@@ -1,0 +1,330 @@
+#!/usr/bin/env python3
+"""Opens exported files with the programs that read them, and compares them with one another.
+
+usage: check_exports.py DIR      exit status: number of failed checks
+
+Every file is optional; truth.json ({doorway, id, x, y, cell_m, zone}) names a doorway whose place is known, and every
+format that has coordinates must put it within one cell of there. Chromium and Graphviz are used where installed.
+"""
+
+import json
+import math
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import warnings
+
+import geopandas
+import jsonschema
+import networkx
+import numpy
+import yaml
+from PIL import Image
+from shapely.geometry import Point
+
+# What the published schema of topological maps asks for.
+TMAP_NODE = {
+    "type": "object",
+    "required": ["meta", "node"],
+    "properties": {
+        "meta": {
+            "type": "object",
+            "required": ["map", "node", "pointset"],
+            "properties": {key: {"type": "string"} for key in ("map", "node", "pointset")},
+        },
+        "node": {
+            "type": "object",
+            "required": ["edges", "name"],
+            "properties": {
+                "name": {"type": "string"},
+                "parent_frame": {"type": "string"},
+                "properties": {"type": "object"},
+                "edges": {
+                    "type": "array",
+                    "items": {
+                        "type": "object",
+                        "required": ["edge_id", "node"],
+                        "properties": {"edge_id": {"type": "string"}, "node": {"type": "string"}},
+                    },
+                },
+            },
+        },
+    },
+}
+TMAP = {
+    "type": "object",
+    "required": ["meta", "metric_map", "name", "nodes", "pointset"],
+    "properties": {
+        "meta": {
+            "type": "object",
+            "required": ["last_updated"],
+            "properties": {
+                "last_updated": {"type": "string", "pattern": r"^\d{2}-\d{2}-\d{4}_\d{2}-\d{2}-\d{2}$"}
+            },
+        },
+        "metric_map": {"type": "string"},
+        "name": {"type": "string"},
+        "pointset": {"type": "string"},
+        "nodes": {"type": "array", "items": TMAP_NODE},
+    },
+}
+
+
+class Skipped(Exception):
+    """What a check needs is not there."""
+
+
+class Folder:
+    def __init__(self, path):
+        self.path = path
+        self.truth = json.loads((path / "truth.json").read_text()) if (path / "truth.json").exists() else None
+
+    def file(self, pattern):
+        found = sorted(self.path.glob(pattern))
+        if not found:
+            raise Skipped(f"no {pattern}")
+        return found[0]
+
+    def yaml(self, pattern):
+        return yaml.safe_load(self.file(pattern).read_text())
+
+    def near_truth(self, x, y):
+        """The known doorway is within one cell of (x, y)."""
+        if self.truth:
+            distance = math.hypot(x - self.truth["x"], y - self.truth["y"])
+            assert distance <= self.truth["cell_m"], f"the doorway is {distance:.3f} m off"
+
+
+def nav2(folder):
+    graph = json.loads(folder.file("route_graph.geojson").read_text())
+    nodes, edges = {}, {}
+    for feature in graph["features"]:
+        properties = feature["properties"]
+        numbers_are_floats(properties["metadata"])
+        assert type(properties["id"]) is int and 0 <= properties["id"] < 2**31 - 1
+        target = nodes if feature["geometry"]["type"] == "Point" else edges
+        assert properties["id"] not in nodes and properties["id"] not in edges, f"id {properties['id']} twice"
+        target[properties["id"]] = feature
+    ways = {(e["properties"]["startid"], e["properties"]["endid"]) for e in edges.values()}
+    assert ways and all(end in nodes for way in ways for end in way)
+    assert all((b, a) in ways for a, b in ways), "edges are directed: every way needs one back"
+    if folder.truth:
+        doorway = nodes[folder.truth["id"]]
+        assert doorway["properties"]["metadata"]["name"] == folder.truth["doorway"]
+        folder.near_truth(*doorway["geometry"]["coordinates"])
+    return f"{len(nodes)} nodes, {len(edges)} edges"
+
+
+def numbers_are_floats(metadata):
+    for key, value in metadata.items():
+        assert value is not None and not isinstance(value, dict), key
+        values = value if isinstance(value, list) else [value]
+        for item in values:
+            assert isinstance(item, (str, bool, float)), f"{key}: {item!r} is {type(item).__name__}"
+
+
+def geojson(folder):
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        frame = geopandas.read_file(folder.file("regions.geojson"))
+    assert frame.crs is not None and frame.crs.to_epsg() == 3857, frame.crs
+    assert frame.geometry.is_valid.all()
+    error = ((frame.geometry.area - frame.area_m2).abs() / frame.area_m2).max()
+    assert error < 1e-6, f"areas differ by {error:.1e}"
+    if folder.truth:
+        inside = frame[frame.contains(Point(folder.truth["x"], folder.truth["y"]))]
+        assert list(inside.name) == [folder.truth["doorway"]], list(inside.name)
+    return f"{len(frame)} places, {frame.geometry.area.sum():.2f} m2"
+
+
+def graphml(folder):
+    graph = networkx.read_graphml(folder.file("graph.graphml"))
+    assert not graph.is_directed()
+    for node, values in graph.nodes(data=True):
+        assert isinstance(values["class"], str)
+        for key in ("area_m2", "x", "y", "major_m", "minor_m", "probability"):
+            assert isinstance(values[key], float), (node, key)
+    if folder.truth:
+        doorway = graph.nodes[str(folder.truth["id"])]
+        assert doorway["name"] == folder.truth["doorway"]
+        folder.near_truth(doorway["x"], doorway["y"])
+    return f"{graph.number_of_nodes()} nodes, {graph.number_of_edges()} edges"
+
+
+def dot(folder):
+    file = folder.file("graph.dot")
+    if not shutil.which("dot"):
+        raise Skipped("no Graphviz")
+    text = subprocess.run(["dot", "-Tjson0", file], check=True, capture_output=True).stdout
+    drawn = json.loads(text)
+    nodes = {int(node["name"]): node for node in drawn["objects"]}
+    edges = {tuple(sorted((int(drawn["objects"][e["tail"]]["name"]), int(drawn["objects"][e["head"]]["name"]))))
+             for e in drawn.get("edges", [])}
+    graph = networkx.read_graphml(folder.file("graph.graphml"))
+    assert edges == {tuple(sorted((int(a), int(b)))) for a, b in graph.edges}
+    assert {i: n["class"] for i, n in nodes.items()} == {int(i): n["class"] for i, n in graph.nodes(data=True)}
+    return f"{len(nodes)} nodes, {len(edges)} edges"
+
+
+def rmf_nav_graph(folder):
+    graph = folder.yaml("nav_graph.yaml")
+    (level,) = graph["levels"].values()
+    names = [v[2]["name"] for v in level["vertices"] if v[2]["name"]]
+    assert len(names) == len(set(names))
+    for start, end, options in level["lanes"]:
+        assert start != end and max(start, end) < len(level["vertices"])
+        assert options.get("door_name") is None or options["door_name"] in graph["doors"]
+    if folder.truth:
+        (ax, ay), (bx, by) = graph["doors"][folder.truth["doorway"]]["endpoints"]
+        folder.near_truth((ax + bx) / 2, (ay + by) / 2)
+    return f"{len(level['vertices'])} vertices, {len(level['lanes'])} lanes, {len(graph['doors'])} doors"
+
+
+def rmf_building(folder):
+    building = folder.yaml("*.building.yaml")
+    assert building["coordinate_system"] == "cartesian_meters"
+    (level,) = building["levels"].values()
+    kinds = {1: str, 2: int, 3: float, 4: bool}
+    for first, second, parameters in level["lanes"] + level["doors"]:
+        assert max(first, second) < len(level["vertices"])
+        for kind, value in parameters.values():
+            assert type(value) is kinds[kind], parameters
+    if folder.truth:
+        (door,) = [d for d in level["doors"] if d[2]["name"][1] == folder.truth["doorway"]]
+        ends = [level["vertices"][i] for i in door[:2]]
+        folder.near_truth(sum(e[0] for e in ends) / 2, sum(e[1] for e in ends) / 2)
+    return f"{len(level['vertices'])} vertices, {len(level['doors'])} doors, {len(level['floors'])} floors"
+
+
+def tmap2(folder):
+    tmap = folder.yaml("*.tmap2.yaml")
+    jsonschema.validate(tmap, TMAP)
+    nodes = {entry["node"]["name"]: entry["node"] for entry in tmap["nodes"]}
+    assert len(nodes) == len(tmap["nodes"])
+    for node in nodes.values():
+        assert all(edge["node"] in nodes for edge in node["edges"])
+    if folder.truth:
+        position = nodes[folder.truth["doorway"]]["pose"]["position"]
+        folder.near_truth(position["x"], position["y"])
+        corners = [(v["x"], v["y"]) for v in nodes[folder.truth["doorway"]]["verts"]]
+        assert abs(numpy.mean([c[0] for c in corners])) < 1.0, "vertices are relative to the node"
+    return f"{len(nodes)} nodes"
+
+
+def mask(name):
+    def check(folder):
+        file = folder.yaml(f"{name}.yaml")
+        image = numpy.asarray(Image.open(folder.path / file["image"]))
+        assert file["mode"] == "raw" and len(file["origin"]) == 3 and file["origin"][2] == 0
+        assert image.ndim == 2 and image.max() <= 100
+        parameters = folder.yaml(f"{name}_params.yaml")
+        info = parameters["costmap_filter_info_server"]["ros__parameters"]
+        assert type(info["base"]) is float and type(info["multiplier"]) is float
+        if name == "zones":
+            declared_zones(parameters, image)
+        if folder.truth:
+            column = int((folder.truth["x"] - file["origin"][0]) / file["resolution"])
+            row = image.shape[0] - 1 - int((folder.truth["y"] - file["origin"][1]) / file["resolution"])
+            expected = {"zones": folder.truth["zone"], "speed": 50, "keepout": 0}[name]
+            assert image[row, column] == expected, (image[row, column], expected)
+        return f"{image.shape[1]} x {image.shape[0]}, values {sorted(set(image.ravel().tolist()))[:6]}"
+
+    return check
+
+
+def declared_zones(parameters, image):
+    plugin = parameters["global_costmap"]["global_costmap"]["ros__parameters"]["zone_parameter_filter"]
+    ids = {plugin[state]["id"] for state in plugin["states"]}
+    assert set(image.ravel().tolist()) - {0} <= ids, "a value that is no declared state throws"
+
+
+def shapes(folder):
+    server = folder.yaml("shapes.yaml")["vector_object_server"]["ros__parameters"]
+    for name in server["shapes"]:
+        shape = server[name]
+        assert shape["type"] == "polygon" and len(shape["points"]) >= 6 and len(shape["points"]) % 2 == 0
+        assert all(type(v) is float for v in shape["points"])
+    return f"{len(server['shapes'])} shapes"
+
+
+REPORT_PROBE = """
+<script>
+window.addEventListener("error", (event) => document.body.setAttribute("data-error", event.message));
+addEventListener("load", () => {
+  const rows = document.querySelectorAll("#places tbody tr").length;
+  const hits = document.querySelectorAll(".hit").length;
+  document.getElementById("show-graph").click();
+  const hidden = document.getElementById("layer-graph").style.display;
+  const before = document.getElementById("map").getAttribute("viewBox");
+  document.getElementById("map").dispatchEvent(new KeyboardEvent("keydown", { key: "+" }));
+  const zoomed = before !== document.getElementById("map").getAttribute("viewBox");
+  document.querySelector("#places tbody button").click();
+  const chosen = document.querySelectorAll(".chosen").length;
+  const box = document.querySelector(".hit").getBoundingClientRect();
+  document.getElementById("fit").click();
+  const hit = document.querySelector(".hit").getBoundingClientRect();
+  const event = { clientX: hit.x + hit.width / 2, clientY: hit.y + hit.height / 2, bubbles: true };
+  document.getElementById("map").dispatchEvent(new PointerEvent("pointermove", event));
+  const tip = document.getElementById("tip").textContent;
+  document.body.setAttribute("data-probe", JSON.stringify({ rows, hits, hidden, zoomed, chosen, tip }));
+});
+</script>
+"""
+
+
+def report(folder):
+    html = folder.file("report.html").read_text()
+    for word in ("https://", "src=\"http", "@import"):
+        assert word not in html, f"the page must not need the network: {word}"
+    browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
+    if not browser:
+        raise Skipped("no Chromium")
+    with tempfile.TemporaryDirectory() as scratch:
+        page = pathlib.Path(scratch, "report.html")
+        page.write_text(html.replace("<script type=", REPORT_PROBE + "<script type=", 1))
+        flags = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={scratch}/profile",
+                 "--window-size=1400,1000", "--virtual-time-budget=4000", "--dump-dom"]
+        done = subprocess.run([browser, *flags, page.as_uri()], check=True, capture_output=True, timeout=120)
+    dom = done.stdout.decode()
+    assert "data-error" not in dom.split("<header", 1)[0], dom[:400]
+    assert 'data-probe="' in dom, "the page's script did not run to its end"
+    probe = json.loads(dom.split('data-probe="', 1)[1].split('"', 1)[0].replace("&quot;", '"'))
+    assert probe["rows"] == probe["hits"] > 0 and probe["hidden"] == "none", probe
+    assert probe["zoomed"] and probe["chosen"] >= 2 and "probability" in probe["tip"], probe
+    return f"{probe['rows']} places in Chromium"
+
+
+CHECKS = {
+    "Nav2 route graph": nav2,
+    "GeoJSON in GeoPandas": geojson,
+    "GraphML in NetworkX": graphml,
+    "DOT in Graphviz": dot,
+    "Open-RMF navigation graph": rmf_nav_graph,
+    "Open-RMF building": rmf_building,
+    "LCAS tmap2 against its schema": tmap2,
+    "keep-out mask": mask("keepout"),
+    "speed mask": mask("speed"),
+    "zone mask": mask("zones"),
+    "vector shapes": shapes,
+    "report in Chromium": report,
+}
+
+
+def main(path):
+    folder = Folder(pathlib.Path(path))
+    failed = 0
+    for name, check in CHECKS.items():
+        try:
+            print(f"ok    {name}: {check(folder)}")
+        except Skipped as reason:
+            print(f"skip  {name}: {reason}")
+        except Exception as error:  # noqa: BLE001, one line per check, whatever goes wrong
+            failed += 1
+            print(f"FAIL  {name}: {type(error).__name__}: {error}")
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1]))
