@@ -13,9 +13,9 @@ fn shipped(name: &str) -> PathBuf {
 
 fn placegraph(args: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
-    args.iter().for_each(|arg| {
+    for arg in args {
         command.arg(arg);
-    });
+    }
     command.output().expect("the program starts")
 }
 

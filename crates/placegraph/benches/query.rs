@@ -1,4 +1,5 @@
 //! Questions to a map of a hundred rooms: `cargo bench -p placegraph --bench query`.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, reason = "helpers of tests")]
 
 use std::hint::black_box;
 

@@ -1,4 +1,5 @@
 //! Every format is read back by something that this project did not write, and says where things are.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, reason = "helpers of tests")]
 
 mod building;
 

@@ -1,4 +1,5 @@
 //! Corrections by hand: what they do, and what is said when they no longer apply.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, reason = "helpers of tests")]
 
 mod building;
 

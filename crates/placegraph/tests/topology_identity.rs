@@ -1,4 +1,5 @@
 //! Names stay when a map is updated.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, reason = "helpers of tests")]
 
 mod building;
 

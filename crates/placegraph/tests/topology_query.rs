@@ -1,4 +1,5 @@
 //! Which place is here, and how does one get there.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, reason = "helpers of tests")]
 
 mod building;
 

@@ -1,4 +1,5 @@
 //! Routes run through free cells only and join what touches.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, reason = "helpers of tests")]
 
 mod building;
 

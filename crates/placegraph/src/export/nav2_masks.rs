@@ -142,7 +142,7 @@ pub fn keepout_mask(
     keepout.cost.check(0.0, 100.0)?;
     let paint = |place: &Place| keepout.cost.get(place).unwrap_or(0.0).round() as u8;
     let filter = Filter::new("keepout_filter", "nav2_costmap_2d::KeepoutFilter", 0);
-    mask_files(map, sheet, keepout.elsewhere.min(100), paint, filter)
+    mask_files(map, sheet, keepout.elsewhere.min(100), paint, &filter)
 }
 
 /// The speed mask (filter type 1 in percent, 2 in meters per second).
@@ -166,7 +166,7 @@ pub fn speed_mask(
         |place: &Place| limit.get(place).map_or(0, |value| (100.0 * value / max).round().max(1.0) as u8);
     let mut filter = Filter::new("speed_filter", "nav2_costmap_2d::SpeedFilter", kind);
     filter.multiplier = max / 100.0;
-    mask_files(map, sheet, 0, paint, filter)
+    mask_files(map, sheet, 0, paint, &filter)
 }
 
 /// The zone-parameter mask (filter type 4): a state per class or per place, numbered from 1; elsewhere 0, the
@@ -192,8 +192,8 @@ pub fn zone_mask(map: &TopologicalMap, sheet: &MaskSheet, per: ZonePer) -> Resul
     let id =
         |place: &Place| zones.iter().position(|zone| *zone == key(place)).map_or(0, |index| index as u8 + 1);
     let mut filter = Filter::new("zone_parameter_filter", "nav2_costmap_2d::ZoneParameterFilter", 4);
-    filter.zones = zones.clone();
-    mask_files(map, sheet, 0, id, filter)
+    filter.zones.clone_from(&zones);
+    mask_files(map, sheet, 0, id, &filter)
 }
 
 /// A costmap filter and how it reads its mask.
@@ -216,7 +216,7 @@ fn mask_files(
     sheet: &MaskSheet,
     elsewhere: u8,
     paint: impl Fn(&Place) -> u8,
-    filter: Filter,
+    filter: &Filter,
 ) -> Result<MaskFiles, ExportError> {
     let yaw_rad = sheet.shape.frame.map_from_grid().yaw_rad;
     let shape = match sheet.rotated {

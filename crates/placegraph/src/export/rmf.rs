@@ -148,6 +148,7 @@ struct DoorParameters<'a> {
 }
 
 #[derive(Serialize)]
+#[expect(clippy::struct_field_names, reason = "the names of the format")]
 struct FloorParameters<'a> {
     texture_name: Parameter<&'a str>,
     texture_rotation: Parameter<f64>,
@@ -161,6 +162,7 @@ struct Floor<'a> {
 }
 
 #[derive(Serialize)]
+#[expect(clippy::type_complexity, reason = "the tuples of the format")]
 struct BuildingLevel<'a> {
     drawing: BTreeMap<&'a str, &'a str>,
     elevation: f64,

@@ -114,6 +114,7 @@ struct Properties<'a> {
 }
 
 #[derive(Serialize)]
+#[expect(clippy::struct_field_names, reason = "the names of the format")]
 struct Edge<'a> {
     edge_id: String,
     node: &'a str,
@@ -183,7 +184,7 @@ fn entry<'a>(map: &'a TopologicalMap, place: &'a Place, info: &'a TmapInfo) -> E
             properties: Properties {
                 xy_goal_tolerance: tenth_mm(place.clearance_m.clamp(MIN_TOLERANCE_M, MAX_TOLERANCE_M)),
                 // Any heading will do.
-                yaw_goal_tolerance: 6.2832,
+                yaw_goal_tolerance: tenth_mm(std::f64::consts::TAU),
                 class: &place.class,
                 area_m2: tenth_mm(place.area_m2),
                 probability: tenth_mm(place.probability),

@@ -10,7 +10,7 @@ use placegraph::topology::{Place, PlaceId, TopologicalMap, build, lay_routes};
 
 /// A quarter of a meter a letter: c corridor, r room, d doorway, # wall, ? unknown. The second room is bent
 /// around a closet, the third has a pillar.
-pub const DRAWING: &str = "
+pub(crate) const DRAWING: &str = "
     ????????????????????????????????????????????????
     ?##############################################?
     ?#rrrrrrrrrrrr#rrrrrrrrrrrrrrrrr#rrrrrrrrrrrrr#?
@@ -33,24 +33,24 @@ pub const DRAWING: &str = "
 ";
 
 /// Cells a letter.
-pub const SCALE: u32 = 5;
+pub(crate) const SCALE: u32 = 5;
 
 /// A map, its parts by class, and what was made of them.
-pub struct Building {
-    pub grid: OccupancyGrid,
-    pub graph: CellGraph,
-    pub labels: LabelSet,
-    pub regions: RegionMap,
-    pub map: TopologicalMap,
+pub(crate) struct Building {
+    pub(crate) grid: OccupancyGrid,
+    pub(crate) graph: CellGraph,
+    pub(crate) labels: LabelSet,
+    pub(crate) regions: RegionMap,
+    pub(crate) map: TopologicalMap,
 }
 
 /// The drawn building with cells of 5 cm, its lower left corner at `map_from_grid`.
-pub fn drawn(map_from_grid: Pose2) -> Building {
+pub(crate) fn drawn(map_from_grid: Pose2) -> Building {
     from_drawing(DRAWING, map_from_grid)
 }
 
 /// Any drawing, every letter `SCALE` by `SCALE` cells of 5 cm.
-pub fn from_drawing(drawing: &str, map_from_grid: Pose2) -> Building {
+pub(crate) fn from_drawing(drawing: &str, map_from_grid: Pose2) -> Building {
     let rows: Vec<&[u8]> =
         drawing.lines().map(|line| line.trim().as_bytes()).filter(|line| !line.is_empty()).collect();
     let (width, height) = (rows[0].len() as u32 * SCALE, rows.len() as u32 * SCALE);
@@ -61,7 +61,7 @@ pub fn from_drawing(drawing: &str, map_from_grid: Pose2) -> Building {
 }
 
 /// A letter per cell.
-pub fn from_letters(letters: &Grid<u8>, map_from_grid: Pose2) -> Building {
+pub(crate) fn from_letters(letters: &Grid<u8>, map_from_grid: Pose2) -> Building {
     let cells = letters.map(|letter| match letter {
         b'#' => Occupancy::Occupied,
         b'?' => Occupancy::Unknown,
@@ -84,7 +84,7 @@ pub fn from_letters(letters: &Grid<u8>, map_from_grid: Pose2) -> Building {
 }
 
 /// Builds the topological map of `regions`.
-pub fn finish(grid: OccupancyGrid, graph: CellGraph, labels: LabelSet, regions: RegionMap) -> Building {
+pub(crate) fn finish(grid: OccupancyGrid, graph: CellGraph, labels: LabelSet, regions: RegionMap) -> Building {
     let third = vec![1.0 / labels.len() as f32; labels.len() * graph.n_nodes()];
     let field = LabelField::from_rows(labels.len(), third);
     let mut map = build(&graph, &grid.frame, &field, &regions, &labels);
@@ -93,18 +93,18 @@ pub fn finish(grid: OccupancyGrid, graph: CellGraph, labels: LabelSet, regions: 
 }
 
 impl Building {
-    pub fn shape(&self) -> GridShape {
+    pub(crate) fn shape(&self) -> GridShape {
         GridShape::of(&self.grid)
     }
 
     /// The middle of the letter in column `x` and row `y` from below.
-    pub fn at(&self, x: u32, y: u32) -> Point2 {
+    pub(crate) fn at(&self, x: u32, y: u32) -> Point2 {
         let middle = |v: u32| (v as f64 + 0.5) * SCALE as f64;
         self.grid.frame.map_from_cells(Point2::new(middle(x), middle(y)))
     }
 
     /// The place there.
-    pub fn place_at(&self, x: u32, y: u32) -> &Place {
+    pub(crate) fn place_at(&self, x: u32, y: u32) -> &Place {
         let cell = self.grid.frame.cell_at(self.at(x, y)).unwrap();
         let node = self.graph.node_at(cell).unwrap();
         self.map.place(PlaceId(self.regions.region_of[node].0 + 1)).unwrap()
