@@ -4,6 +4,10 @@
 pub mod boost;
 pub mod distance;
 pub mod networks;
+pub mod plain_features;
+pub mod plain_searches;
+pub mod rays;
 pub mod regions;
 pub mod relax;
+pub mod scenes;
 pub mod segments;

@@ -10,7 +10,7 @@ use crate::output::print;
 /// Lists the features.
 pub(crate) fn run(args: &FeaturesArgs) -> Result<Outcome> {
     match args.format {
-        ListFormat::Md => print("")?,
+        ListFormat::Md => print(&features::markdown())?,
         ListFormat::Text => {
             let lines = features::registry()
                 .iter()

@@ -21,7 +21,11 @@ const SD_MIN_M: f32 = 1e-9;
 /// A1 and A2.
 #[inline(always)]
 pub(super) fn differences(d: &Ranges, values: &mut Values) {
-    let (mean, sd) = mean_and_sd(N_BEAMS, |i| (d[i] - d[i + 1]).abs());
+    let (mean, sd) = mean_and_sd(
+        N_BEAMS,
+        #[inline(always)]
+        |i| (d[i] - d[i + 1]).abs(),
+    );
     values.set(M::MeanDifference, mean);
     values.set(M::SdDifference, sd);
 }
@@ -33,9 +37,15 @@ pub(super) fn clipped_differences(d: &Ranges, values: &mut Values) {
     let mut uncut = None;
     for member in 0..N_CLIPS {
         let limit = Lanes::all((member + 1) as f32);
-        let clipped = |i: usize| (d[i].min(limit) - d[i + 1].min(limit)).abs();
         // Nothing is cut from here on: the same values again.
-        let (mean, sd) = uncut.unwrap_or_else(|| mean_and_sd(N_BEAMS, clipped));
+        let (mean, sd) = match uncut {
+            Some(known) => known,
+            None => mean_and_sd(
+                N_BEAMS,
+                #[inline(always)]
+                |i| (d[i].min(limit) - d[i + 1].min(limit)).abs(),
+            ),
+        };
         if limit.0[0] >= longest {
             uncut = Some((mean, sd));
         }
@@ -54,12 +64,16 @@ pub(super) fn lengths(d: &Ranges, values: &mut Values) {
     values.set(M::MeanNormalizedLength, mean / longest);
     values.set(M::SdNormalizedLength, sd / longest);
     // Fourth powers of deviations in units of the standard deviation.
-    let divisor = sd.max(Lanes::all(SD_MIN_M));
-    let fourth = sum(N_BEAMS, |i| {
-        let deviation = (d[i] - mean) / divisor;
-        let square = deviation * deviation;
-        square * square
-    });
+    let per_sd = Lanes::all(1.0) / sd.max(Lanes::all(SD_MIN_M));
+    let fourth = sum(
+        N_BEAMS,
+        #[inline(always)]
+        |i| {
+            let deviation = (d[i] - mean) * per_sd;
+            let square = deviation * deviation;
+            square * square
+        },
+    );
     let kurtosis = fourth * (1.0 / N_BEAMS as f32);
     values.set(M::Kurtosis, kurtosis.zip(sd, |kurtosis, sd| if sd < SD_MIN_M { 0.0 } else { kurtosis }));
 }

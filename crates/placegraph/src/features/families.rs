@@ -73,14 +73,14 @@ pub(super) struct Family {
     pub(super) mirror_invariant: bool,
 }
 
-const CLIPS: Option<Parameters> = steps(1, 10, 1);
-const GAPS: Option<Parameters> = steps(1, 20, 2);
-const RELATIONS: Option<Parameters> = steps(1, 10, 10);
+const CLIPS: Parameters = steps(1, 10, 1);
+const GAPS: Parameters = steps(1, 20, 2);
+const RELATIONS: Parameters = steps(1, 10, 10);
 /// Largest harmonic of B6.
 pub(super) const MAX_HARMONIC: usize = 100;
 
-const fn steps(first: u16, last: u16, divisor: u16) -> Option<Parameters> {
-    Some(Parameters { first, last, divisor })
+const fn steps(first: u16, last: u16, divisor: u16) -> Parameters {
+    Parameters { first, last, divisor }
 }
 
 /// A family with one member that mirroring does not change.
@@ -98,8 +98,8 @@ const fn row(
 }
 
 impl Family {
-    const fn with(mut self, parameters: Option<Parameters>) -> Self {
-        self.parameters = parameters;
+    const fn with(mut self, parameters: Parameters) -> Self {
+        self.parameters = Some(parameters);
         self
     }
 
@@ -130,7 +130,7 @@ pub(super) const FAMILIES: [Family; 44] = [
     row(M::Gaps, "A7", "f14", "beams", FixedLength,
         "number of gaps: consecutive beams that differ by more than g meters", "#{i : Δ_i > g}").with(GAPS),
     row(M::BeamsOnLines, "A8", "f15", "beams", FixedLength,
-        "number of beams below 6 m that end on straight lines (split and merge)", "see below").mirror_dependent(),
+        "number of beams below 6 m that end on straight lines (split and merge)", "see above").mirror_dependent(),
     row(M::MinimaDistance, "A9", "f25", "m", Power(1.0),
         "distance between the end points of the two deepest local minima with a prominence of 0.1 m; 0 if there are fewer", "|v_m1 - v_m2|"),
     row(M::MinimaAngle, "A10", "f26", "deg", Invariant,

@@ -9,7 +9,7 @@
 //! Harmonics are written k = 11 a ± b, b ≤ 5: with z_a = (u_{j−1} − u_j) exp(−11 i a θ_j), the four real sums
 //! of z_a's components times cos bθ_j and sin bθ_j give S_{11a+b} and S_{11a−b} together. That is half the
 //! work of a recurrence over k, and products of powers lose fewer digits. Cost: 4 · 360 operations per
-//! harmonic, only in the rows a that are asked for.
+//! harmonic, up to the row of the largest one asked for.
 
 use super::families::{MAX_HARMONIC, Measure as M};
 use super::lanes::{Doubles, Lanes, Singles, TINY};
@@ -22,12 +22,12 @@ const B: usize = 5;
 /// Step of k from row to row.
 const ROW: usize = 2 * B + 1;
 /// Rows, so that all harmonics up to [`MAX_HARMONIC`] are reached.
-pub(super) const N_ROWS: usize = (MAX_HARMONIC + B) / ROW + 1;
+const N_ROWS: usize = (MAX_HARMONIC + B) / ROW + 1;
 /// Vertices that are worked on together, in the first-level cache.
 const CHUNK: usize = 24;
 
 /// The row of harmonic `k`.
-pub(super) fn row_of(k: usize) -> usize {
+fn row_of(k: usize) -> usize {
     (k + B) / ROW
 }
 
@@ -43,16 +43,16 @@ const ZERO: Singles = Lanes([0.0; super::lanes::WIDTH]);
 /// cos bθ and sin bθ, b = 1 … 5.
 type Powers = [[Singles; 2]; B];
 
-/// B6 for the harmonics in `rows`, and B7 to B9 (row 0).
+/// B6 up to harmonic `k_max` at least, and B7 to B9.
 #[inline(always)]
 pub(super) fn fourier(
     d: &Ranges,
     directions: &Directions,
     outline: &Outline,
-    rows: &[bool; N_ROWS],
+    k_max: usize,
     values: &mut Values,
 ) {
-    let sums = row_sums(d, directions, outline, rows);
+    let sums = row_sums(d, directions, outline, row_of(k_max) + 1);
     let (first, before) = sums[0].at(1);
     let scale = outline.perimeter * (1.0 / (4.0 * std::f32::consts::PI * std::f32::consts::PI));
     let (c1, c_1) = (first * scale, before * scale);
@@ -66,7 +66,7 @@ pub(super) fn fourier(
     set(M::DescriptorMajorAxis, 0, one + q);
     set(M::DescriptorMinorAxis, 0, (one - q).abs());
     set(M::DescriptorAxisRatio, 0, (one - q).abs() / (one + q));
-    for k in (2..=MAX_HARMONIC).filter(|&k| rows[row_of(k)]) {
+    for k in 2..=k_max {
         let (row, b) = (row_of(k), (k + B) % ROW);
         let magnitude = if b >= B { sums[row].at(b - B).0 } else { sums[row].at(B - b).1 };
         let ratio = magnitude / (first + Lanes::all(TINY)) * (1.0 / (k * k) as f32);
@@ -90,11 +90,11 @@ impl Row {
         (length(re_cos + im_sin, im_cos - re_sin), length(re_cos - im_sin, im_cos + re_sin))
     }
 
-    /// Adds vertices with weights `z`.
+    /// Adds vertices with weights `z`, and turns the weights into those of the next row.
     #[inline(always)]
-    fn add(&mut self, z: &[[Singles; 2]; CHUNK], powers: &[Powers; CHUNK]) {
+    fn add(&mut self, z: &mut [[Singles; 2]; CHUNK], powers: &[Powers; CHUNK], step: &[[Singles; 2]; CHUNK]) {
         let mut sums = *self;
-        for (z, powers) in z.iter().zip(powers) {
+        for ((z, powers), step) in z.iter_mut().zip(powers).zip(step) {
             sums.constant[0] += z[0];
             sums.constant[1] += z[1];
             for (sums, [cos, sin]) in sums.products.iter_mut().zip(powers) {
@@ -103,14 +103,14 @@ impl Row {
                 sums[2] += z[0] * *sin;
                 sums[3] += z[1] * *sin;
             }
+            *z = product(*z, *step);
         }
         *self = sums;
     }
 }
 
 #[inline(always)]
-fn row_sums(d: &Ranges, directions: &Directions, outline: &Outline, rows: &[bool; N_ROWS]) -> [Row; N_ROWS] {
-    let n_rows = rows.iter().rposition(|&wanted| wanted).map_or(1, |last| last + 1);
+fn row_sums(d: &Ranges, directions: &Directions, outline: &Outline, n_rows: usize) -> [Row; N_ROWS] {
     let mut sums = [Row::ZERO; N_ROWS];
     let mut arc: Doubles = Lanes::all(0.0);
     let turns_per_meter = Lanes::all(1.0)
@@ -133,15 +133,8 @@ fn row_sums(d: &Ranges, directions: &Directions, outline: &Outline, rows: &[bool
             let eleven = product(product(five, five), one);
             row_step[i] = [eleven[0], -eleven[1]];
         }
-        for row in 0..n_rows {
-            if rows[row] || row == 0 {
-                sums[row].add(&z, &powers);
-            }
-            if row + 1 < n_rows {
-                for (z, step) in z.iter_mut().zip(&row_step) {
-                    *z = product(*z, *step);
-                }
-            }
+        for sums in &mut sums[..n_rows] {
+            sums.add(&mut z, &powers, &row_step);
         }
     }
     sums
@@ -193,7 +186,7 @@ fn cos_sin(x: Singles) -> [Singles; 2] {
         value.zip(quarter, move |value, q| f32::from_bits(value.to_bits() ^ minus(q) << 31))
     };
     // Quarter q: cos is cos, −sin, −cos, sin; sin is sin, cos, −sin, −cos.
-    [signed(swap(cos, sin), |q| q + 1 >> 1 & 1), signed(swap(sin, cos), |q| q >> 1 & 1)]
+    [signed(swap(cos, sin), |q| (q + 1) >> 1 & 1), signed(swap(sin, cos), |q| q >> 1 & 1)]
 }
 
 #[cfg(test)]

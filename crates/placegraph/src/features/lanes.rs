@@ -85,13 +85,24 @@ impl Singles {
     /// The largest value.
     #[inline(always)]
     pub(super) fn largest(self) -> f32 {
-        self.0.iter().fold(f32::NEG_INFINITY, |a, &b| if a > b { a } else { b })
+        self.halves(|a, b| if a > b { a } else { b })
     }
 
     /// The smallest value.
     #[inline(always)]
     pub(super) fn smallest(self) -> f32 {
-        self.0.iter().fold(f32::INFINITY, |a, &b| if a < b { a } else { b })
+        self.halves(|a, b| if a < b { a } else { b })
+    }
+
+    /// Combines all values, one half with the other, until one is left.
+    #[inline(always)]
+    fn halves(mut self, combine: impl Fn(f32, f32) -> f32) -> f32 {
+        for half in [8, 4, 2, 1] {
+            for lane in 0..half {
+                self.0[lane] = combine(self.0[lane], self.0[lane + half]);
+            }
+        }
+        self.0[0]
     }
 }
 
@@ -178,10 +189,19 @@ where
 #[inline(always)]
 pub(super) fn mean_and_sd(n: usize, f: impl Fn(usize) -> Singles) -> (Singles, Singles) {
     let first = f(0);
-    let mean = first + sum(n, |i| f(i) - first) * (1.0 / n as f32);
-    let variance = sum(n, |i| {
-        let deviation = f(i) - mean;
-        deviation * deviation
-    });
+    let from_first = sum(
+        n,
+        #[inline(always)]
+        |i| f(i) - first,
+    );
+    let mean = first + from_first * (1.0 / n as f32);
+    let variance = sum(
+        n,
+        #[inline(always)]
+        |i| {
+            let deviation = f(i) - mean;
+            deviation * deviation
+        },
+    );
     (mean, (variance * (1.0 / n as f32)).sqrt())
 }

@@ -42,69 +42,72 @@ fn n_on_lines(points: &mut Vec<Point2>) -> usize {
     if n < N_MIN {
         return 0;
     }
-    let step = |i: usize| points[i].distance(points[(i + 1) % n]);
-    let widest = (1..n).fold(0, |best, i| if step(i) > step(best) { i } else { best });
-    let is_ring = step(widest) <= GAP_M + TOLERANCE_M;
+    let mut widest = (n - 1, distance2(points[n - 1], points[0]));
+    for (index, pair) in points.windows(2).enumerate() {
+        let step2 = distance2(pair[0], pair[1]);
+        if step2 > widest.1 {
+            widest = (index, step2);
+        }
+    }
+    let (widest, is_ring) = (widest.0, widest.1 <= (GAP_M + TOLERANCE_M).powi(2));
     points.rotate_left((widest + 1) % n);
-    let mut count = Count { n: 0, last_end: usize::MAX };
+    let mut on_line = [false; N_BEAMS + 1];
     if is_ring {
-        // The start is both ends of the ring; its chord is a point.
+        // The start is both ends of the ring, and its chord a point.
         points.push(points[0]);
         let opposite = farthest(points).0;
-        count.split(&points[..=opposite], 0);
-        count.split(&points[opposite..], opposite);
-        return count.n.min(n);
-    }
-    let mut start = 0;
-    for end in 1..=n {
-        if end == n || points[end - 1].distance(points[end]) > GAP_M + TOLERANCE_M {
-            count.split(&points[start..end], start);
-            start = end;
+        mark_lines(&points[..=opposite], &mut on_line[..=opposite]);
+        mark_lines(&points[opposite..], &mut on_line[opposite..=n]);
+        on_line[0] |= on_line[n];
+    } else {
+        let mut start = 0;
+        for end in 1..=n {
+            if end == n || distance2(points[end - 1], points[end]) > (GAP_M + TOLERANCE_M).powi(2) {
+                mark_lines(&points[start..end], &mut on_line[start..end]);
+                start = end;
+            }
         }
     }
-    count.n
+    on_line[..n].iter().filter(|&&marked| marked).count()
 }
 
-/// Points on accepted lines so far, and where the last line ended.
-struct Count {
-    n: usize,
-    last_end: usize,
+fn distance2(p: Point2, q: Point2) -> f64 {
+    (q - p).dot(q - p)
 }
 
-impl Count {
-    /// Splits the arc of `points`, the first of which has number `start`, until its parts are straight.
-    fn split(&mut self, points: &[Point2], start: usize) {
-        let n = points.len();
-        if n < N_MIN || points[0].distance(points[n - 1]) < CHORD_MIN_M - TOLERANCE_M {
-            return;
-        }
-        let (index, distance) = farthest(points);
-        if distance > FARTHEST_M + TOLERANCE_M {
-            self.split(&points[..=index], start);
-            self.split(&points[index..], start + index);
-            return;
-        }
-        self.n += n - usize::from(self.last_end == start);
-        self.last_end = start + n - 1;
+/// Splits the arc of `points` until its parts are straight, and marks those that are lines.
+fn mark_lines(points: &[Point2], on_line: &mut [bool]) {
+    let n = points.len();
+    if n < N_MIN || distance2(points[0], points[n - 1]) < (CHORD_MIN_M - TOLERANCE_M).powi(2) {
+        return;
+    }
+    let (index, distance) = farthest(points);
+    if distance > FARTHEST_M + TOLERANCE_M {
+        mark_lines(&points[..=index], &mut on_line[..=index]);
+        mark_lines(&points[index..], &mut on_line[index..]);
+    } else {
+        on_line.fill(true);
     }
 }
 
 /// The point farthest from the line through the first and the last, or from them if they are the same.
 fn farthest(points: &[Point2]) -> (usize, f64) {
     let (first, last) = (points[0], points[points.len() - 1]);
-    let (chord, length) = (last - first, first.distance(last));
-    let distance = |point: Point2| {
+    let chord = last - first;
+    let length2 = chord.dot(chord);
+    // Squared distance, times the squared length of the chord if it has one.
+    let distance2 = |point: Point2| {
         let step = point - first;
-        if length > 0.0 { step.cross(chord).abs() / length } else { step.length() }
+        if length2 > 0.0 { step.cross(chord) * step.cross(chord) } else { step.dot(step) }
     };
     let mut best = (0, 0.0);
     for (index, &point) in points.iter().enumerate() {
-        let here = distance(point);
+        let here = distance2(point);
         if here > best.1 {
             best = (index, here);
         }
     }
-    best
+    (best.0, (if length2 > 0.0 { best.1 / length2 } else { best.1 }).sqrt())
 }
 
 #[cfg(test)]

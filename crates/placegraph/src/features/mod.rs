@@ -1,12 +1,17 @@
 //! Features of a scan: set A from the raw beams, set B from the polygon of their end points (appendices A
 //! and B of the book).
 
+#![expect(clippy::inline_always, reason = "only what is inlined is compiled for several instruction sets")]
+#![expect(clippy::large_stack_arrays, reason = "buffers of 23 kB that stay in the first-level cache")]
+#![expect(clippy::needless_range_loop, reason = "loops over lanes and beams index several arrays alike")]
+
 mod beams;
 mod engine;
 mod families;
 mod fourier;
 mod lanes;
 mod lines;
+mod markdown;
 mod minima;
 mod moments;
 mod plan;
@@ -17,5 +22,6 @@ mod table;
 mod values;
 
 pub use engine::{BlockValues, Job, evaluate, extract, of_scan};
+pub use markdown::markdown;
 pub use registry::{Feature, Scale, all, chapter183, freiburg203, old152, registry};
 pub use table::{FeatureId, FeatureTable};

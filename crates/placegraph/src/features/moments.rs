@@ -8,7 +8,7 @@
 //! sign(φ) log10(1 + |φ| / 1e-40), which is monotone, so that no decision stump can tell.
 
 use super::families::Measure as M;
-use super::lanes::{Doubles, Lanes, sum};
+use super::lanes::{Doubles, Lanes};
 use super::polygon::Outline;
 use super::values::{Ranges, Values};
 use crate::scan::{N_BEAMS, beam_direction};
@@ -25,12 +25,15 @@ pub(super) fn directions() -> [(f64, f64); N_BEAMS] {
 /// B10, B11 and B12.
 #[inline(always)]
 pub(super) fn moments(d: &Ranges, along: &[(f64, f64); N_BEAMS], outline: &Outline, values: &mut Values) {
-    let x = |i: usize| d[i].double() * along[i].0;
-    let y = |i: usize| d[i].double() * along[i].1;
-    let (mean_x, mean_y) = (sum(N_BEAMS, x) * (1.0 / N), sum(N_BEAMS, y) * (1.0 / N));
+    let [mut sum_x, mut sum_y] = [Lanes::all(0.0); 2];
+    for (d, along) in d.iter().zip(along) {
+        sum_x += d.double() * along.0;
+        sum_y += d.double() * along.1;
+    }
+    let (mean_x, mean_y) = (sum_x * (1.0 / N), sum_y * (1.0 / N));
     let [mut m20, mut m11, mut m02, mut m30, mut m21, mut m12, mut m03] = [Lanes::all(0.0); 7];
-    for i in 0..N_BEAMS {
-        let (x, y) = (x(i) - mean_x, y(i) - mean_y);
+    for (d, along) in d.iter().zip(along) {
+        let (x, y) = (d.double() * along.0 - mean_x, d.double() * along.1 - mean_y);
         let (xx, xy, yy) = (x * x, x * y, y * y);
         m20 += xx;
         m11 += xy;

@@ -3,7 +3,7 @@
 use super::FeatureId;
 use super::beams;
 use super::families::Measure as M;
-use super::fourier::{self, N_ROWS};
+use super::fourier::fourier;
 use super::lines::lines;
 use super::minima::minima;
 use super::moments;
@@ -39,12 +39,21 @@ impl Group {
             M::BeamsOnLines => Self::Lines,
             M::MinimaDistance | M::MinimaAngle => Self::Minima,
             M::MeanRelation | M::SdRelation | M::RelativeGaps | M::RelativeGapFraction => Self::Relations,
-            M::Area | M::Perimeter | M::AreaOverPerimeter => Self::Areas,
-            M::FormFactor | M::Circularity | M::NormalizedCircularity => Self::Areas,
+            M::Area
+            | M::Perimeter
+            | M::AreaOverPerimeter
+            | M::FormFactor
+            | M::Circularity
+            | M::NormalizedCircularity => Self::Areas,
             M::MeanRadius | M::SdRadius | M::MeanNormalizedRadius | M::SdNormalizedRadius => Self::Radii,
             M::Moment | M::Compactness | M::Eccentricity => Self::Moments,
-            M::Fourier | M::MajorAxis | M::MinorAxis | M::AxisRatio => Self::Fourier,
-            M::DescriptorMajorAxis | M::DescriptorMinorAxis | M::DescriptorAxisRatio => Self::Fourier,
+            M::Fourier
+            | M::MajorAxis
+            | M::MinorAxis
+            | M::AxisRatio
+            | M::DescriptorMajorAxis
+            | M::DescriptorMinorAxis
+            | M::DescriptorAxisRatio => Self::Fourier,
         }
     }
 
@@ -56,7 +65,8 @@ impl Group {
 /// The groups that a list of features needs, and constants for computing them.
 pub(super) struct Plan {
     groups: Vec<Group>,
-    fourier_rows: [bool; N_ROWS],
+    /// Largest harmonic of B6 asked for, or 1.
+    k_max: usize,
     directions: Directions,
     directions_f64: [(f64, f64); N_BEAMS],
 }
@@ -64,17 +74,17 @@ pub(super) struct Plan {
 impl Plan {
     pub(super) fn new(columns: &[FeatureId]) -> Self {
         let mut groups: Vec<Group> = Vec::new();
-        let mut fourier_rows = [false; N_ROWS];
+        let mut k_max = 1;
         for feature in columns.iter().map(|id| id.feature()) {
             let group = Group::of(feature.measure);
             if !groups.contains(&group) {
                 groups.push(group);
             }
             if let (M::Fourier, Some(k)) = (feature.measure, feature.parameter) {
-                fourier_rows[fourier::row_of(k as usize)] = true;
+                k_max = k_max.max(k as usize);
             }
         }
-        Self { groups, fourier_rows, directions: Directions::new(), directions_f64: moments::directions() }
+        Self { groups, k_max, directions: Directions::new(), directions_f64: moments::directions() }
     }
 
     /// Computes the features of the cells with ranges `d`.
@@ -87,7 +97,8 @@ impl Plan {
 
     #[inline(always)]
     fn measure_inlined(&self, d: &Ranges, values: &mut Values) {
-        let outline = self.groups.iter().any(|group| group.is_polygon()).then(|| Outline::new(d));
+        let is_polygon = self.groups.iter().any(|group| group.is_polygon());
+        let outline = if is_polygon { Some(Outline::new(d)) } else { None };
         for group in &self.groups {
             match (group, &outline) {
                 (Group::Differences, _) => beams::differences(d, values),
@@ -103,7 +114,7 @@ impl Plan {
                     moments::moments(d, &self.directions_f64, outline, values);
                 }
                 (Group::Fourier, Some(outline)) => {
-                    fourier::fourier(d, &self.directions, outline, &self.fourier_rows, values);
+                    fourier(d, &self.directions, outline, self.k_max, values);
                 }
                 (Group::Areas | Group::Radii | Group::Moments | Group::Fourier, None) => {}
             }

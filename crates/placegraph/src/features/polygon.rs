@@ -81,8 +81,13 @@ pub(super) fn radii(d: &Ranges, directions: &Directions, outline: &Outline, valu
     let Directions { cos, sin } = directions;
     // The centroid: triangles from the robot, each weighted by its area.
     let weight = outline.area.map(|area| sin_deg(1.0) / (6.0 * area).max(TINY));
-    let centroid_x = sum(N_BEAMS, |i| (d[i] * cos[i] + d[i + 1] * cos[i + 1]) * (d[i] * d[i + 1])) * weight;
-    let centroid_y = sum(N_BEAMS, |i| (d[i] * sin[i] + d[i + 1] * sin[i + 1]) * (d[i] * d[i + 1])) * weight;
+    let [mut centroid_x, mut centroid_y] = [Lanes::all(0.0); 2];
+    for i in 0..N_BEAMS {
+        let sector = d[i] * d[i + 1];
+        centroid_x += (d[i] * cos[i] + d[i + 1] * cos[i + 1]) * sector;
+        centroid_y += (d[i] * sin[i] + d[i + 1] * sin[i + 1]) * sector;
+    }
+    (centroid_x, centroid_y) = (centroid_x * weight, centroid_y * weight);
     let mut radii = [Lanes::all(0.0); N_BEAMS];
     let mut largest = Lanes::all(TINY);
     for i in 0..N_BEAMS {

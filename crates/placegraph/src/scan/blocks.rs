@@ -39,6 +39,14 @@ impl Block {
         self.rows.iter().map(|run| run.columns.count_ones() as usize).sum()
     }
 
+    /// The blocks of `cells`, rows of blocks from below, left to right.
+    ///
+    /// # Panics
+    /// If the cells are not in row-major order, each once.
+    pub fn of_cells(cells: &[Cell]) -> Vec<Self> {
+        Self::bands(cells).into_iter().flat_map(|band| Self::of_band(cells, band)).collect()
+    }
+
     /// The parts of `cells` that lie in the same [`ROWS`] rows of blocks, as ranges of positions.
     ///
     /// # Panics
@@ -96,14 +104,12 @@ mod tests {
             .flat_map(|y| (0..150).filter(move |x| (x * 7 + y * 3) % 5 == 0).map(move |x| Cell::new(x, y)))
             .collect();
         let mut seen = vec![0; cells.len()];
-        for band in Block::bands(&cells) {
-            for block in Block::of_band(&cells, band) {
-                for (run, y) in block.rows.iter().zip(block.corner.y..) {
-                    for position in run.positions() {
-                        seen[position] += 1;
-                        let column = cells[position].x - block.corner.x;
-                        assert!(cells[position].y == y && run.columns >> column & 1 == 1);
-                    }
+        for block in Block::of_cells(&cells) {
+            for (run, y) in block.rows.iter().zip(block.corner.y..) {
+                for position in run.positions() {
+                    seen[position] += 1;
+                    let column = cells[position].x - block.corner.x;
+                    assert!(cells[position].y == y && run.columns >> column & 1 == 1);
                 }
             }
         }

@@ -1,5 +1,8 @@
 //! The simulated laser scan (Sect. 4.4): 360 beams from the center of a free cell.
 
+#![expect(clippy::inline_always, reason = "only what is inlined is compiled for several instruction sets")]
+#![expect(clippy::needless_range_loop, reason = "loops over lanes and beams index several arrays alike")]
+
 mod blocks;
 mod cast;
 mod caster;

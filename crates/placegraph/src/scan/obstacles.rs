@@ -49,6 +49,7 @@ impl Obstacles {
         (cell.x as usize / WORD + MARGIN_WORDS) * self.rows + cell.y as usize + MARGIN_ROWS
     }
 
+    #[expect(clippy::cast_possible_wrap, reason = "small constants, and sizes that fit in memory")]
     /// The displacement by `x` columns and `y` rows, for [`Obstacles::around`].
     pub(super) fn offset(&self, x: i32, y: i32) -> Offset {
         let words = i64::from(x.div_euclid(WORD as i32)) * self.rows as i64 + i64::from(y);
@@ -61,9 +62,12 @@ impl Obstacles {
         let start = position.wrapping_add_signed(offset.words as isize);
         let left = self.load(start);
         let right = self.load(start + self.rows);
-        std::array::from_fn(|row| {
-            left[row] >> offset.bits | (right[row] << 1) << (WORD as u32 - 1 - offset.bits)
-        })
+        let mut obstacles = [0; ROWS];
+        for row in 0..ROWS {
+            let spill = (right[row] << 1) << (WORD as u32 - 1 - offset.bits);
+            obstacles[row] = left[row] >> offset.bits | spill;
+        }
+        obstacles
     }
 
     #[inline(always)]

@@ -33,15 +33,30 @@ pub(super) fn count_steps(
 ) -> [u16; LANES] {
     let planes = if path.beside.is_empty() {
         let (chunks, rest) = path.cells.as_chunks::<STRIDE>();
-        walk(wanted, chunks, rest, |&cell| obstacles.around(position, cell))
+        walk(
+            wanted,
+            chunks,
+            rest,
+            #[inline(always)]
+            |&cell| obstacles.around(position, cell),
+        )
     } else {
         let steps: Vec<_> = path.cells.iter().zip(&path.beside).collect();
         let (chunks, rest) = steps.as_chunks::<STRIDE>();
-        walk(wanted, chunks, rest, |&(&cell, &[one, other])| {
-            let (one, other) = (obstacles.around(position, one), obstacles.around(position, other));
-            let ahead = obstacles.around(position, cell);
-            std::array::from_fn(|row| ahead[row] | one[row] & other[row])
-        })
+        walk(
+            wanted,
+            chunks,
+            rest,
+            #[inline(always)]
+            |&(&cell, &[one, other])| {
+                let (one, other) = (obstacles.around(position, one), obstacles.around(position, other));
+                let mut stops = obstacles.around(position, cell);
+                for row in 0..ROWS {
+                    stops[row] |= one[row] & other[row];
+                }
+                stops
+            },
+        )
     };
     numbers(&planes)
 }
@@ -60,38 +75,40 @@ fn walk<T>(
     let mut planes = [[0; ROWS]; PLANES];
     let mut alive = *wanted;
     // The three planes that change within a chunk stay in registers.
-    let [mut ones, mut twos, mut fours] = [[0; ROWS]; 3];
-    let mut step = |alive: &mut Plane, number: usize, cell: &T| {
-        clear(alive, &stops(cell));
-        flip(&mut ones, alive);
-        if number % 2 == 0 {
-            flip(&mut twos, alive);
-        }
-        if number % 4 == 0 {
-            flip(&mut fours, alive);
-        }
-    };
-    let mut ended = false;
+    let mut low = [[0; ROWS]; 3];
     for (chunk, cells) in chunks.iter().enumerate() {
         for (index, cell) in cells.iter().enumerate() {
-            step(&mut alive, index + 1, cell);
+            clear(&mut alive, &stops(cell));
+            count(&mut low, &alive, index + 1);
         }
         let number = (chunk + 1) * STRIDE;
-        for plane in &mut planes[STRIDE.trailing_zeros() as usize..=number.trailing_zeros() as usize] {
+        for plane in &mut planes[low.len()..=number.trailing_zeros() as usize] {
             flip(plane, &alive);
         }
         if alive.iter().fold(0, |any, row| any | row) == 0 {
-            ended = true;
             break;
         }
     }
-    if !ended {
-        for (index, cell) in rest.iter().enumerate() {
-            step(&mut alive, index + 1, cell);
+    // Nothing that ended before survives a step of the rest.
+    for (index, cell) in rest.iter().enumerate() {
+        if alive.iter().fold(0, |any, row| any | row) == 0 {
+            break;
+        }
+        clear(&mut alive, &stops(cell));
+        count(&mut low, &alive, index + 1);
+    }
+    planes[..low.len()].copy_from_slice(&low);
+    planes
+}
+
+/// Counts a step with this number in the lower planes.
+#[inline(always)]
+fn count(planes: &mut [Plane], alive: &Plane, number: usize) {
+    for (power, plane) in planes.iter_mut().enumerate() {
+        if number.is_multiple_of(1 << power) {
+            flip(plane, alive);
         }
     }
-    [planes[0], planes[1], planes[2]] = [ones, twos, fours];
-    planes
 }
 
 #[inline(always)]

@@ -84,7 +84,12 @@ pub(crate) fn from_letters(letters: &Grid<u8>, map_from_grid: Pose2) -> Building
 }
 
 /// Builds the topological map of `regions`.
-pub(crate) fn finish(grid: OccupancyGrid, graph: CellGraph, labels: LabelSet, regions: RegionMap) -> Building {
+pub(crate) fn finish(
+    grid: OccupancyGrid,
+    graph: CellGraph,
+    labels: LabelSet,
+    regions: RegionMap,
+) -> Building {
     let third = vec![1.0 / labels.len() as f32; labels.len() * graph.n_nodes()];
     let field = LabelField::from_rows(labels.len(), third);
     let mut map = build(&graph, &grid.frame, &field, &regions, &labels);
