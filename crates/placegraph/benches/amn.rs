@@ -2,6 +2,7 @@
 //!
 //! A table instead of statistics: processor seconds of the one thread that works, best of three, so that a busy
 //! machine disturbs little.
+#![allow(clippy::print_stdout, reason = "a table is the result")]
 
 use std::fs;
 use std::hint::black_box;

@@ -1,7 +1,7 @@
 //! The engine against its plain twins, in one run on the same cells: read the ratios, not the times.
 
-#![expect(missing_docs, reason = "criterion makes public functions")]
-#![expect(clippy::unwrap_used, reason = "a benchmark panics where a test would")]
+#![allow(missing_docs, reason = "criterion makes public functions")]
+#![allow(clippy::unwrap_used, reason = "a benchmark panics where a test would")]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use placegraph::features::{FeatureId, Job, evaluate, freiburg203, of_scan};

@@ -1,5 +1,5 @@
 //! Questions to a map of a hundred rooms: `cargo bench -p placegraph --bench query`.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, reason = "helpers of tests")]
+#![allow(clippy::unwrap_used, clippy::match_same_arms, reason = "helpers of tests")]
 
 use std::hint::black_box;
 
@@ -57,7 +57,7 @@ fn query(criterion: &mut Criterion) {
     criterion
         .bench_function("route", |bencher| bencher.iter(|| find_route(&map, black_box(PlaceId(1)), last)));
     criterion.bench_function("index", |bencher| {
-        bencher.iter(|| PlaceIndex::new(black_box(&map), GridShape::of(&grid)))
+        bencher.iter(|| PlaceIndex::new(black_box(&map), GridShape::of(&grid)));
     });
 }
 

@@ -33,7 +33,7 @@ fn eq_4_6_and_4_7_by_hand() {
     // Left: q(0) = (0.5 · 0.5 − 0.5 · 0.5 + 7 · 0.2) / 8 = 0.175, q(1) = (−0.125 + 0.125 − 2.8) / 8 = −0.35.
     // Right: q(0) = (0.375 − 0.125 + 1.4) / 8 = 0.20625, q(1) = (−0.1875 + 0.0625 − 2.8) / 8 = −0.365625.
     let left = [0.75 * 1.175, 0.25 * 0.65];
-    let right = [0.5 * 1.20625, 0.5 * 0.634375];
+    let right = [0.5 * 1.20625, 0.5 * 0.634_375];
     let expected = [left, right].map(|[a, b]| vec![a / (a + b), b / (a + b)]);
     let relaxed = relax(&graph, &initial, &r, &steps(1));
     close(&relaxed.field, &expected, 1e-6).unwrap();

@@ -1,4 +1,5 @@
 //! The block walk and the single scan against a traversal and against geometry.
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Occupancy, OccupancyGrid};

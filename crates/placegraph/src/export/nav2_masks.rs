@@ -236,7 +236,7 @@ fn mask_files(
     Ok(MaskFiles {
         image: gray_png(&cells)?,
         map: map_yaml(&shape, &sheet.image_name)?,
-        parameters: parameters_yaml(sheet, &filter)?,
+        parameters: parameters_yaml(sheet, filter)?,
     })
 }
 
