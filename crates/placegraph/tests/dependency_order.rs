@@ -12,6 +12,7 @@ const LAYERS: &[&[&str]] = &[
     &["labels"],
     &["features"],
     &["boost", "relax", "amn"],
+    &["doorways"],
     &["regions"],
     &["topology"],
     &["model"],
