@@ -83,6 +83,9 @@ pub(crate) struct MapArgs {
     /// Also write the probabilities of all classes, as a NumPy array
     #[arg(long)]
     pub(crate) probabilities: bool,
+    /// Take doorways only from the classifier, not from narrow passages of the map
+    #[arg(long)]
+    pub(crate) no_doorways: bool,
     /// Leave small regions and doorways that join nothing as they are
     #[arg(long)]
     pub(crate) no_correction: bool,

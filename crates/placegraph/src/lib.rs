@@ -11,6 +11,7 @@
 //! | boosted stumps in a probabilistic decision list | [`boost`] | 4.2, 4.3 |
 //! | relaxation labeling over the 8-neighborhood | [`relax`] | 4.5 |
 //! | or: instance-based associative Markov network | [`amn`] | 4.6 |
+//! | narrow passages marked as doorways (not in the chapter) | [`doorways`] | |
 //! | regions and the two corrections by size | [`regions`] | 4.7 |
 //! | the topological map | [`topology`] | 4.7 |
 //!
@@ -18,11 +19,12 @@
 //! gives the same bits on any number of threads.
 //!
 //! A module uses only what stands to its left (`tests/dependency_order.rs` checks it):
-//! `geom → grid → scan → labels → features → {boost, relax, amn} → regions → topology → model →
+//! `geom → grid → scan → labels → features → {boost, relax, amn} → doorways → regions → topology → model →
 //! {training, eval, import, export, pipeline}`.
 
 pub mod amn;
 pub mod boost;
+pub mod doorways;
 pub mod eval;
 pub mod export;
 pub mod features;

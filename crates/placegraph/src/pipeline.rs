@@ -1,6 +1,7 @@
 //! The chapter as one function: a map and a model in, labels, regions and the topological map out.
 
 use crate::boost::{CompiledClassifiers, cell_scores};
+use crate::doorways::{self, DoorwayConfig};
 use crate::grid::{CellGraph, OccupancyGrid};
 use crate::labels::{LabelField, Labeling};
 use crate::model::{Method, Model};
@@ -12,8 +13,20 @@ use crate::topology::{self, TopologicalMap};
 /// What of the pipeline is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
+    /// Whether narrow passages between larger spaces are marked as doorways.
+    pub doorways: Doorways,
     /// Whether small regions, and doorways that join nothing, are relabeled (Sect. 4.7).
     pub correction: Correction,
+}
+
+/// Whether narrow passages become doorways, whatever their cells were labeled ([`doorways::mark`]).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Doorways {
+    /// They do.
+    #[default]
+    Mark,
+    /// Doorways are what the classifier says, as in the chapter.
+    Skip,
 }
 
 /// Whether the two corrections of Sect. 4.7 are made.
@@ -28,7 +41,7 @@ pub enum Correction {
 
 impl Default for Config {
     fn default() -> Self {
-        Self { correction: Correction::Apply }
+        Self { doorways: Doorways::Mark, correction: Correction::Apply }
     }
 }
 
@@ -65,11 +78,17 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
     let smoothed = relax(&graph, &classified, &boosted.compatibility, &boosted.relaxation).field;
 
     progress.begin(Stage::Correct);
-    let found = connected(&graph, &smoothed.most_likely(), DiagonalSteps::default());
+    let resolution_m = map.frame.resolution_m();
+    let mut labeling = smoothed.most_likely();
+    if config.doorways == Doorways::Mark {
+        let settings = DoorwayConfig::default();
+        labeling = doorways::mark(&graph, resolution_m, &smoothed, &labeling, &model.label_set, &settings);
+    }
+    let found = connected(&graph, &labeling, DiagonalSteps::default());
     let regions = match config.correction {
         Correction::Skip => found,
         Correction::Apply => {
-            correct(&graph, map.frame.resolution_m(), &found, &model.label_set, &model.thresholds).regions
+            correct(&graph, resolution_m, &found, &model.label_set, &model.thresholds).regions
         }
     };
     let labeling = regions.labeling();

@@ -13,6 +13,7 @@ const LAYERS: &[&[&str]] = &[
     &["labels"],
     &["features"],
     &["boost", "relax", "amn"],
+    &["doorways"],
     &["regions"],
     &["topology"],
     &["model"],

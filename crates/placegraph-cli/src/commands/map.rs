@@ -8,7 +8,7 @@ use placegraph::export::{
     MapInfo, TopologyDocument, label_png, overview_png, probability_npy, raster_yaml, region_png,
 };
 use placegraph::import::{LoadedMap, check};
-use placegraph::pipeline::{self, Analysis, Correction};
+use placegraph::pipeline::{self, Analysis, Correction, Doorways};
 
 use super::Outcome;
 use crate::args::MapArgs;
@@ -76,6 +76,7 @@ fn label(path: &Path, folder: &Path, model: &NamedModel, args: &MapArgs, verbose
     }
     let watch = Watch::start(&map.name);
     let config = pipeline::Config {
+        doorways: if args.no_doorways { Doorways::Skip } else { Doorways::Mark },
         correction: if args.no_correction { Correction::Skip } else { Correction::Apply },
     };
     let analysis = pipeline::analyze(&map.grid, &model.model, &config, &watch);

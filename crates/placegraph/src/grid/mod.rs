@@ -4,6 +4,7 @@
 //! are flipped in [`crate::import`] and [`crate::export`] and nowhere else.
 
 mod cell_graph;
+mod clearance;
 mod frame;
 #[expect(clippy::module_inception, reason = "the module's main type")]
 mod grid;
@@ -12,6 +13,7 @@ mod occupancy;
 mod shape;
 
 pub use cell_graph::CellGraph;
+pub(crate) use clearance::squared_clearances;
 pub use frame::{FrameError, MapFrame};
 pub use grid::{Cell, Grid};
 pub use neighbors::Connectivity;
