@@ -41,7 +41,7 @@ pub fn smooth_problem(
                 let sum: u64 = rows
                     .map(|v| noise[v * w + x.saturating_sub(2)..v * w + (x + 3).min(w)].iter().sum::<u64>())
                     .sum();
-                node[(y * w + x) * n_labels + k] = (sum * 40 >> 24) as f64;
+                node[(y * w + x) * n_labels + k] = ((sum * 40) >> 24) as f64;
             }
         }
     }

@@ -23,7 +23,7 @@ fn model(n_stumps: usize) -> Model {
             stump: DecisionStump {
                 feature: features[(class * 7 + round * 3) % features.len()],
                 threshold: (number.sqrt() / 3.0) as f32,
-                polarity: if round % 2 == 0 { Polarity::Below } else { Polarity::Above },
+                polarity: if round.is_multiple_of(2) { Polarity::Below } else { Polarity::Above },
             },
             alpha: 1.0 / number.cbrt(),
         }

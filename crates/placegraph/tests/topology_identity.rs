@@ -101,7 +101,7 @@ fn split_merged_and_vanished_are_told_apart() {
                 *letter = b'r';
             }
         }
-        for letter in rows[11][16..22].iter_mut() {
+        for letter in &mut rows[11][16..22] {
             *letter = b'#';
         }
     });
