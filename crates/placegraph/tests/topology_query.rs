@@ -3,6 +3,8 @@
 
 mod building;
 
+use std::sync::LazyLock;
+
 use placegraph::geom::{Point2, Pose2};
 use placegraph::topology::query::{PlaceIndex, Whereabouts, find_place, find_route};
 use placegraph::topology::{PlaceId, PlaceRaster};
@@ -66,15 +68,20 @@ fn plain_distance(building: &building::Building, point: Point2) -> f64 {
     nearest
 }
 
+static TURNED: LazyLock<(building::Building, PlaceIndex)> = LazyLock::new(|| {
+    let building = building::drawn(Pose2::new(-3.7, 12.3, 0.4));
+    let index = PlaceIndex::new(&building.map, building.shape());
+    (building, index)
+});
+
 proptest! {
     #[test]
     fn where_is_what_the_cells_and_all_sides_say(u in -1.0..13.0f64, v in -1.0..6.0f64) {
-        let building = building::drawn(Pose2::new(-3.7, 12.3, 0.4));
-        let index = PlaceIndex::new(&building.map, building.shape());
+        let (building, index) = &*TURNED;
         let point = building.grid.frame.map_from_grid().apply(Point2::new(u, v));
         let cell = building.shape().cell_at(point);
         let place = cell.and_then(|cell| building.graph.node_at(cell)).map(|node| PlaceId(building.regions.region_of[node].0 + 1));
-        let distance = plain_distance(&building, point);
+        let distance = plain_distance(building, point);
         match index.locate(point).unwrap() {
             Whereabouts::Inside { place: found, border_m } => {
                 prop_assert_eq!(Some(found), place);

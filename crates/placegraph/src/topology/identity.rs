@@ -72,7 +72,7 @@ pub fn carry_over(current: &TopologicalMap, shape: GridShape, previous: &Topolog
     let mut earlier_self = overlaps.best_pairs();
     pair_moved_doorways(current, previous, &mut earlier_self);
 
-    let mut next = previous.places.iter().chain(&current.places).map(|place| place.id.0).max().unwrap_or(0);
+    let mut next = previous.places.iter().map(|place| place.id.0).max().unwrap_or(0);
     let renumbered: BTreeMap<PlaceId, PlaceId> = current
         .places
         .iter()
