@@ -22,8 +22,7 @@ fn map(width: u32, height: u32, is_wall: impl Fn(u32, u32) -> bool) -> CellGraph
 fn doorways(graph: &CellGraph) -> Vec<Cell> {
     let field = LabelField::from_rows(3, [0.0, 1.0, 0.0].repeat(graph.n_nodes()));
     let labels = vec![ROOM; graph.n_nodes()];
-    let marked =
-        mark(graph, RESOLUTION_M, &field, &labels, &LabelSet::default(), &DoorwayConfig::default());
+    let marked = mark(graph, RESOLUTION_M, &field, &labels, &LabelSet::default(), &DoorwayConfig::default());
     let nodes = marked.iter().enumerate().filter(|(_, label)| **label == DOORWAY);
     nodes.map(|(node, _)| graph.cells()[node]).collect()
 }
