@@ -4,7 +4,7 @@
 //! a whole, and no smoothing brings them back. The map itself shows them: where the clearance has a saddle,
 //! two walls stand opposite each other at the width of a door, and the two sides do not meet elsewhere in
 //! the neighborhood. Such a *gate* becomes a clean rectangle of doorway cells from jamb to jamb; what else of
-//! a doorway region lies around it takes its next best label. Doorway regions without a gate stay as they are.
+//! a doorway region lies around it joins the nearest other label. Doorway regions without a gate stay as they are.
 //!
 //! Cost: linear in nodes for the clearance, plus one look at the neighborhood (`neighborhood_m`) for every
 //! pair of opposite walls.
@@ -15,6 +15,8 @@ mod gate;
 mod paint;
 mod saddles;
 mod sides;
+
+use std::collections::VecDeque;
 
 use crate::grid::{CellGraph, Connectivity};
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
@@ -52,8 +54,8 @@ impl Default for DoorwayConfig {
     }
 }
 
-/// `labeling` with the doorways of the map marked. `field` gives the next best labels of cells that a clean
-/// doorway leaves out. Without a class of role doorway nothing changes; with several, a doorway takes the
+/// `labeling` with the doorways of the map marked. `field` gives labels to cells that a clean doorway leaves
+/// out where no other label is near. Without a class of role doorway nothing changes; with several, a doorway takes the
 /// one that `field` finds most probable in it.
 ///
 /// # Panics
@@ -76,19 +78,7 @@ pub fn mark(
         .iter()
         .map(|gate| paint::strip(graph, gate, config.margin_m / resolution_m))
         .collect();
-    // Doorway regions that touch a strip are replaced by it.
-    let mut open = strips.concat();
-    while let Some(node) = open.pop() {
-        for next in graph.neighbors(node, Connectivity::Eight).chain([node]) {
-            if is_doorway(marked[next]) {
-                marked[next] = most_probable(field, &[next], label_set, |role| role != Role::Doorway)
-                    .unwrap_or(marked[next]);
-                if !is_doorway(marked[next]) {
-                    open.push(next);
-                }
-            }
-        }
-    }
+    let leftovers = doorways_around(graph, &strips.concat(), &marked, &is_doorway);
     for strip in &strips {
         if let Some(label) = most_probable(field, strip, label_set, |role| role == Role::Doorway) {
             for &node in strip {
@@ -96,7 +86,60 @@ pub fn mark(
             }
         }
     }
+    let mut in_strip = vec![false; graph.n_nodes()];
+    strips.iter().flatten().for_each(|&node| in_strip[node] = true);
+    let leftovers = leftovers.into_iter().filter(|&node| !in_strip[node]).collect();
+    for node in join_neighbors(graph, leftovers, &mut marked, &is_doorway) {
+        let other = most_probable(field, &[node], label_set, |role| role != Role::Doorway);
+        marked[node] = other.unwrap_or(marked[node]);
+    }
     marked
+}
+
+/// All nodes of doorway regions that touch `strip`, ascending.
+fn doorways_around(
+    graph: &CellGraph,
+    strip: &[usize],
+    labeling: &[Label],
+    is_doorway: &impl Fn(Label) -> bool,
+) -> Vec<usize> {
+    let mut is_found = vec![false; graph.n_nodes()];
+    let mut open = strip.to_vec();
+    while let Some(node) = open.pop() {
+        for next in graph.neighbors(node, Connectivity::Eight).chain([node]) {
+            if is_doorway(labeling[next]) && !is_found[next] {
+                is_found[next] = true;
+                open.push(next);
+            }
+        }
+    }
+    (0..graph.n_nodes()).filter(|&node| is_found[node]).collect()
+}
+
+/// Gives `nodes` the label of the nearest node around them that is no doorway, step by step. Returns those that
+/// no label reached.
+fn join_neighbors(
+    graph: &CellGraph,
+    nodes: Vec<usize>,
+    labeling: &mut [Label],
+    is_doorway: &impl Fn(Label) -> bool,
+) -> Vec<usize> {
+    let mut is_open = vec![false; graph.n_nodes()];
+    nodes.iter().for_each(|&node| is_open[node] = true);
+    let mut queue: VecDeque<usize> = nodes
+        .iter()
+        .flat_map(|&node| graph.neighbors(node, Connectivity::Four))
+        .filter(|&next| !is_open[next] && !is_doorway(labeling[next]))
+        .collect();
+    while let Some(node) = queue.pop_front() {
+        for next in graph.neighbors(node, Connectivity::Four) {
+            if std::mem::take(&mut is_open[next]) {
+                labeling[next] = labeling[node];
+                queue.push_back(next);
+            }
+        }
+    }
+    nodes.into_iter().filter(|&node| is_open[node]).collect()
 }
 
 /// The label of a role that `wanted` accepts with the largest sum over `nodes`; ties go to the lower label.

@@ -13,7 +13,8 @@ pub(super) fn nodes_in(graph: &CellGraph, gate: &Gate, half_depth: f64) -> Vec<u
         .flat_map(|y| range(gate.center.x, graph.width()).map(move |x| Cell::new(x, y)))
         .filter(|&cell| {
             let (across, along) = gate.local(center_of(cell));
-            across.abs() <= gate.width / 2.0 && along.abs() <= half_depth
+            // The jambs are centers of walls: free cells between them end one cell before.
+            across.abs() < gate.width / 2.0 - 0.5 && along.abs() <= half_depth
         })
         .filter_map(|cell| graph.node_at(cell))
         .collect()

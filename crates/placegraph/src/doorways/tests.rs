@@ -87,6 +87,18 @@ fn without_a_doorway_class_nothing_changes() {
 }
 
 #[test]
+fn a_blob_around_a_doorway_joins_the_spaces_beside_it() {
+    let graph = two_rooms(9);
+    // The field would make a corridor of it.
+    let field = LabelField::from_rows(3, [0.4, 0.0, 0.6].repeat(graph.n_nodes()));
+    let labels: Vec<Label> =
+        graph.cells().iter().map(|cell| if (30..52).contains(&cell.x) { DOORWAY } else { ROOM }).collect();
+    let marked = mark(&graph, RESOLUTION_M, &field, &labels, &LabelSet::default(), &DoorwayConfig::default());
+    assert_eq!(marked.iter().filter(|label| **label == DOORWAY).count(), doorways(&graph).len());
+    assert!(marked.iter().all(|label| [ROOM, DOORWAY].contains(label)));
+}
+
+#[test]
 fn what_lies_around_a_clean_doorway_takes_its_next_best_label() {
     let graph = two_rooms(9);
     let field = LabelField::from_rows(3, [0.1, 0.3, 0.6].repeat(graph.n_nodes()));
