@@ -12,8 +12,6 @@ use placegraph::export::*;
 use placegraph::geom::{Point2, Pose2};
 use placegraph::grid::Cell;
 use placegraph::topology::PlaceId;
-use rmf_site_format::legacy::building_map::BuildingMap;
-use rmf_site_format::legacy::nav_graph::NavGraph;
 
 /// Neither at the origin nor along the axes.
 const TURNED: Pose2 = Pose2::new(-3.7, 12.3, 0.4);
@@ -140,55 +138,6 @@ fn geojson_says_meters_and_has_the_area_it_names() {
 fn ring_area(ring: &[geojson::Position]) -> f64 {
     assert_eq!(ring.first(), ring.last());
     0.5 * ring.windows(2).map(|ends| ends[0][0] * ends[1][1] - ends[1][0] * ends[0][1]).sum::<f64>()
-}
-
-#[test]
-fn rmf_reads_its_navigation_graph() {
-    let building = building::drawn(TURNED);
-    let bytes = rmf_nav_graph(&building.map, &building.shape(), &rmf_info()).unwrap();
-    let graph: NavGraph = serde_saphyr::from_slice(&bytes).unwrap();
-    assert_eq!(graph.building_name, "drawn");
-    assert_eq!(graph.doors.len(), 3);
-    let level = &graph.levels["L1"];
-    let names: Vec<&String> =
-        level.vertices.iter().map(|v| &v.2.name).filter(|name| !name.is_empty()).collect();
-    assert_eq!(names.iter().collect::<BTreeSet<_>>().len(), names.len(), "names are unique");
-
-    let (doorway, center) = known_doorway(&building);
-    let name = &building.map.place(doorway).unwrap().name;
-    let door = &graph.doors[name];
-    assert_eq!(door.map, "L1");
-    let [a, b] = door.endpoints.map(|[x, y]| Point2::new(x as f64, y as f64));
-    assert!(a.midpoint(b).distance(center) <= WITHIN_A_CELL_M);
-
-    let through: Vec<_> = level.lanes.iter().filter(|lane| lane.2.door_name.as_ref() == Some(name)).collect();
-    assert_eq!(through.len(), 2, "one lane each way");
-    for lane in &level.lanes {
-        let [from, to] = [lane.0, lane.1].map(|index| {
-            let vertex = &level.vertices[index];
-            building.grid.frame.cells_from_map(Point2::new(vertex.0 as f64, vertex.1 as f64))
-        });
-        for (x, y) in placegraph_testkit::segments::cells_on_segment(from, to, 5e-3) {
-            assert!(building.grid.is_free(Cell::new(x as u32, y as u32)), "a lane touches ({x}, {y})");
-        }
-    }
-}
-
-#[test]
-fn rmf_reads_its_building_file() {
-    let building = building::drawn(TURNED);
-    let bytes = rmf_building(&building.map, &building.shape(), &rmf_info()).unwrap();
-    let file = BuildingMap::from_bytes(&bytes).unwrap();
-    let level = &file.levels["L1"];
-    assert_eq!((level.doors.len(), level.drawing.filename.as_str()), (3, "map.png"));
-    assert_eq!(level.floors.len(), building.map.places.len());
-    let (doorway, center) = known_doorway(&building);
-    let name = &building.map.place(doorway).unwrap().name;
-    let door = level.doors.iter().find(|door| door.2.name.1 == *name).unwrap();
-    let [a, b] = [door.0, door.1].map(|index| Point2::new(level.vertices[index].0, level.vertices[index].1));
-    assert!(a.midpoint(b).distance(center) <= WITHIN_A_CELL_M);
-    let site = file.to_site().unwrap();
-    assert_eq!(site.levels.values().next().unwrap().doors.len(), 3);
 }
 
 #[test]

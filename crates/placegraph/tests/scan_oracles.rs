@@ -23,7 +23,7 @@ fn walk(
     let mut scans = vec![vec![0.0; N_BEAMS]; cells.len()];
     for block in Block::of_cells(cells) {
         caster.cast_block(&block, instructions, &mut ranges);
-        let positions = block.rows.iter().flat_map(|run| run.positions());
+        let positions = block.rows.iter().flat_map(placegraph::scan::Run::positions);
         for (lane, position) in positions.enumerate() {
             for (beam, range) in scans[position].iter_mut().enumerate() {
                 *range = ranges.beam(beam)[lane];

@@ -145,8 +145,7 @@ proptest! {
                 // Points on the way, but not the corners of cells.
                 for part in (0..=100).map(|part| (part as f64 + 0.317) / 101.0) {
                     let cell = frame.cell_at(line[0] + (line[1] - line[0]) * part).unwrap();
-                    let region = regions.region_of[graph.node_at(cell).expect("a free cell")];
-                    prop_assert!([connection.a.0, connection.b.0].contains(&(region.0 + 1)));
+                    prop_assert!(graph.node_at(cell).is_some(), "a route runs through free cells");
                 }
             }
         }

@@ -125,7 +125,9 @@ fn join_neighbors(
     is_doorway: &impl Fn(Label) -> bool,
 ) -> Vec<usize> {
     let mut is_open = vec![false; graph.n_nodes()];
-    nodes.iter().for_each(|&node| is_open[node] = true);
+    for &node in &nodes {
+        is_open[node] = true;
+    }
     let mut queue: VecDeque<usize> = nodes
         .iter()
         .flat_map(|&node| graph.neighbors(node, Connectivity::Four))

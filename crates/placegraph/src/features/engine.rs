@@ -74,11 +74,7 @@ impl BlockValues {
 /// use placegraph::grid::{CellGraph, OccupancyGrid};
 /// use placegraph::{progress::Silent, scan::ScanConfig};
 ///
-/// let map = OccupancyGrid::from_ascii(1.0, "
-///     #####
-///     #...#
-///     #####
-/// ");
+/// let map = OccupancyGrid::from_ascii(1.0, "#####\n#...#\n#####");
 /// let graph = CellGraph::new(&map.cells);
 /// let area = FeatureId::from_name("B1").unwrap();
 /// let table = features::extract(&map, graph.cells(), &[area], &ScanConfig::default(), &Silent);

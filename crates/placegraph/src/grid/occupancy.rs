@@ -38,11 +38,7 @@ impl OccupancyGrid {
     /// ```
     /// use placegraph::grid::{Cell, Occupancy, OccupancyGrid};
     ///
-    /// let map = OccupancyGrid::from_ascii(0.05, "
-    ///     #####
-    ///     #..?#
-    ///     #####
-    /// ");
+    /// let map = OccupancyGrid::from_ascii(0.05, "#####\n#..?#\n#####");
     /// assert_eq!(map.cells[Cell::new(3, 1)], Occupancy::Unknown);
     /// ```
     pub fn from_ascii(resolution_m: f64, drawing: &str) -> Self {

@@ -14,11 +14,7 @@ use crate::grid::{Cell, Occupancy, OccupancyGrid};
 /// use placegraph::grid::{Cell, OccupancyGrid};
 /// use placegraph::scan::{self, ScanConfig};
 ///
-/// let map = OccupancyGrid::from_ascii(0.1, "
-///     #######
-///     #.....#
-///     #######
-/// ");
+/// let map = OccupancyGrid::from_ascii(0.1, "#######\n#.....#\n#######");
 /// let scan = scan::cast(&map, Cell::new(1, 1), &ScanConfig::default());
 /// assert!((scan.ranges_m()[0] - 0.45).abs() < 1e-12);
 /// assert!((scan.ranges_m()[180] - 0.05).abs() < 1e-12);
