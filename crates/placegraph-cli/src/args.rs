@@ -67,6 +67,7 @@ pub(crate) enum RulesArg {
 }
 
 #[derive(Debug, Args)]
+#[expect(clippy::struct_excessive_bools, reason = "a flag of the command line each")]
 pub(crate) struct MapArgs {
     /// Maps: map_server YAML, image (with --resolution) or CARMEN map
     #[arg(required = true, value_name = "MAP")]
