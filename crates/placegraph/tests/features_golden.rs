@@ -1,5 +1,5 @@
 //! Published-size values of two exact scans, for the engine and for the plain formulas alike.
-
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
 #![expect(clippy::unreadable_literal, reason = "numbers as they are printed")]
 
 use placegraph::features::{FeatureId, of_scan};
