@@ -38,5 +38,6 @@ pub mod progress;
 pub mod regions;
 pub mod relax;
 pub mod scan;
+pub mod spaces;
 pub mod topology;
 pub mod training;

@@ -8,18 +8,21 @@ use crate::model::{Method, Model};
 use crate::progress::{Progress, Stage};
 use crate::regions::{DiagonalSteps, RegionMap, connected, correct};
 use crate::relax::relax;
+use crate::spaces::{self, SpaceConfig};
 use crate::topology::{self, TopologicalMap};
 
 /// What of the pipeline is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Config {
-    /// Whether narrow passages between larger spaces are marked as doorways.
+    /// Whether narrow passages between larger spaces are marked as doorways, and the spaces between them
+    /// labeled as a whole.
     pub doorways: Doorways,
     /// Whether small regions, and doorways that join nothing, are relabeled (Sect. 4.7).
     pub correction: Correction,
 }
 
-/// Whether narrow passages become doorways, whatever their cells were labeled ([`doorways::mark`]).
+/// Whether narrow passages become doorways, whatever their cells were labeled ([`doorways::mark`]), and the
+/// spaces that they part are labeled as a whole ([`spaces::settle`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Doorways {
     /// They do.
@@ -81,8 +84,10 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
     let resolution_m = map.frame.resolution_m();
     let mut labeling = smoothed.most_likely();
     if config.doorways == Doorways::Mark {
-        let settings = DoorwayConfig::default();
-        labeling = doorways::mark(&graph, resolution_m, &smoothed, &labeling, &model.label_set, &settings);
+        let (label_set, config) = (&model.label_set, DoorwayConfig::default());
+        labeling = doorways::mark(&graph, resolution_m, &smoothed, &labeling, label_set, &config);
+        labeling =
+            spaces::settle(&graph, resolution_m, &smoothed, &labeling, label_set, &SpaceConfig::default());
     }
     let found = connected(&graph, &labeling, DiagonalSteps::default());
     let regions = match config.correction {

@@ -1,8 +1,7 @@
-//! Gates: pairs of opposite walls at the width of a door that part the space around them.
+//! Gates: pairs of opposite walls at the width of a door.
 
 use super::DoorwayConfig;
-use super::saddles::{is_saddle, squared_clearance};
-use super::sides::parts_the_space;
+use super::saddles::is_saddle;
 use crate::geom::{Point2, Vec2};
 use crate::grid::{Cell, CellGraph};
 
@@ -26,38 +25,42 @@ impl Gate {
     }
 }
 
-/// All gates of the map, narrowest first. A gate whose center lies in a narrower one is left out.
-pub(super) fn gates(graph: &CellGraph, resolution_m: f64, config: &DoorwayConfig) -> Vec<Gate> {
-    let clearance = squared_clearance(graph);
+/// All gates of the map that could be doorways by their own measures, narrowest first.
+pub(super) fn candidates(
+    graph: &CellGraph,
+    clearance: &[i64],
+    resolution_m: f64,
+    config: &DoorwayConfig,
+) -> Vec<Gate> {
     let cells_of = |meters: f64| meters / resolution_m;
     let (narrowest, widest) = (cells_of(config.min_width_m), cells_of(config.max_width_m));
     // Clearance is measured between centers: a free width w has walls w / 2 + 1 / 2 away.
     let is_door_sized = |squared: i64| (squared as f64).sqrt() <= widest / 2.0 + 1.0;
     let mut found: Vec<Gate> = (0..graph.n_nodes())
-        .filter(|&node| is_door_sized(clearance[node]) && is_saddle(graph, &clearance, node))
+        .filter(|&node| is_door_sized(clearance[node]) && is_saddle(graph, clearance, node))
         .filter_map(|node| opposite_walls(graph, node, clearance[node]))
         .filter(|gate| (narrowest..=widest).contains(&(gate.width - 1.0)))
         .filter_map(|gate| with_depth(graph, gate, cells_of(config.max_depth_m)))
         .collect();
     found.sort_by(|a, b| a.width.total_cmp(&b.width));
+    found.dedup();
+    found
+}
 
-    let mut kept: Vec<Gate> = Vec::new();
-    let mut seen: Vec<Gate> = Vec::new();
-    for gate in found {
-        let margin = cells_of(config.margin_m);
+/// The gates among `candidates` that `is_doorway` accepts, but none whose center lies in an earlier one, with
+/// `margin` cells on both sides.
+pub(super) fn accepted(candidates: Vec<Gate>, margin: f64, is_doorway: impl Fn(&Gate) -> bool) -> Vec<Gate> {
+    let mut accepted: Vec<Gate> = Vec::new();
+    for gate in candidates {
         let lies_in = |other: &Gate| {
             let (across, along) = other.local(gate.center);
             across.abs() <= other.width / 2.0 && along.abs() <= other.depth / 2.0 + margin
         };
-        if kept.iter().any(lies_in) || seen.contains(&gate) {
-            continue;
-        }
-        seen.push(gate);
-        if parts_the_space(graph, &clearance, &gate, cells_of(config.neighborhood_m), config.min_widening) {
-            kept.push(gate);
+        if !accepted.iter().any(lies_in) && is_doorway(&gate) {
+            accepted.push(gate);
         }
     }
-    kept
+    accepted
 }
 
 pub(super) fn center_of(cell: Cell) -> Point2 {

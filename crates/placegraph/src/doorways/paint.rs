@@ -20,10 +20,11 @@ pub(super) fn nodes_in(graph: &CellGraph, gate: &Gate, half_depth: f64) -> Vec<u
         .collect()
 }
 
-/// The doorway of `gate`: the free cells of its rectangle with `margin` cells added on both sides, as far as
-/// they are connected to the line between the jambs.
+/// The doorway of `gate`: the free cells of its rectangle with `margin` cells added on both sides and one at
+/// both jambs, which are ragged, as far as they are connected to the line between the jambs.
 pub(super) fn strip(graph: &CellGraph, gate: &Gate, margin: f64) -> Vec<usize> {
-    let all = nodes_in(graph, gate, gate.depth / 2.0 + margin);
+    let wider = Gate { width: gate.width + 2.0, ..*gate };
+    let all = nodes_in(graph, &wider, gate.depth / 2.0 + margin);
     let mut reached = nodes_in(graph, gate, 0.75);
     let mut is_reached: Vec<bool> = all.iter().map(|node| reached.binary_search(node).is_ok()).collect();
     while let Some(node) = reached.pop() {

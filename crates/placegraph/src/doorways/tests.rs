@@ -1,4 +1,9 @@
+use super::gate::Gate;
+use super::obstacles::Obstacles;
+use super::saddles::squared_clearance;
+use super::sides::{Walks, surroundings};
 use super::{DoorwayConfig, mark};
+use crate::geom::{Point2, Vec2};
 use crate::grid::{Cell, CellGraph, Grid, Occupancy};
 use crate::labels::{Class, Label, LabelField, LabelSet, Role};
 
@@ -33,13 +38,14 @@ fn two_rooms(opening: u32) -> CellGraph {
 }
 
 #[test]
-fn a_door_is_marked_from_jamb_to_jamb_and_a_quarter_meter_to_both_sides() {
+fn a_door_is_marked_from_jamb_to_jamb_and_beside_the_wall() {
     let found = doorways(&two_rooms(9));
     let rows = (found.iter().map(|c| c.y).min(), found.iter().map(|c| c.y).max());
-    assert_eq!(rows, (Some(16), Some(24)));
+    assert_eq!(rows, (Some(15), Some(25)), "a cell more at both jambs, in front of the wall");
     let columns = (found.iter().map(|c| c.x).min().unwrap(), found.iter().map(|c| c.x).max().unwrap());
     assert!((37..=38).contains(&columns.0) && (43..=44).contains(&columns.1), "{columns:?}");
-    assert_eq!(found.len() as u32, 9 * (columns.1 - columns.0 + 1), "a full rectangle");
+    let n_columns = columns.1 - columns.0 + 1;
+    assert_eq!(found.len() as u32, 9 * 2 + 11 * (n_columns - 2), "full rectangles in the wall and beside it");
 }
 
 #[test]
@@ -87,29 +93,81 @@ fn without_a_doorway_class_nothing_changes() {
 }
 
 #[test]
-fn a_blob_around_a_doorway_joins_the_spaces_beside_it() {
+fn what_is_no_doorway_takes_its_next_best_label() {
     let graph = two_rooms(9);
-    // The field would make a corridor of it.
-    let field = LabelField::from_rows(3, [0.4, 0.0, 0.6].repeat(graph.n_nodes()));
-    let labels: Vec<Label> =
-        graph.cells().iter().map(|cell| if (30..52).contains(&cell.x) { DOORWAY } else { ROOM }).collect();
-    let marked = mark(&graph, RESOLUTION_M, &field, &labels, &LabelSet::default(), &DoorwayConfig::default());
+    let field = LabelField::from_rows(3, [0.1, 0.3, 0.6].repeat(graph.n_nodes()));
+    let everything = vec![DOORWAY; graph.n_nodes()];
+    let config = DoorwayConfig::default();
+    let marked = mark(&graph, RESOLUTION_M, &field, &everything, &LabelSet::default(), &config);
     assert_eq!(marked.iter().filter(|label| **label == DOORWAY).count(), doorways(&graph).len());
     assert!(marked.iter().all(|label| [ROOM, DOORWAY].contains(label)));
 }
 
 #[test]
-fn what_lies_around_a_clean_doorway_takes_its_next_best_label() {
-    let graph = two_rooms(9);
-    let field = LabelField::from_rows(3, [0.1, 0.3, 0.6].repeat(graph.n_nodes()));
-    let marked = mark(
-        &graph,
-        RESOLUTION_M,
-        &field,
-        &vec![DOORWAY; graph.n_nodes()],
-        &LabelSet::default(),
-        &DoorwayConfig::default(),
-    );
-    assert_eq!(marked.iter().filter(|label| **label == DOORWAY).count(), doorways(&graph).len());
-    assert!(marked.iter().all(|label| [ROOM, DOORWAY].contains(label)));
+fn a_chair_in_a_door_does_not_hide_it() {
+    let blocked = map(82, 41, |x, y| {
+        (40..42).contains(&x) && !(16..26).contains(&y) || (40..43).contains(&x) && (19..22).contains(&y)
+    });
+    let found = doorways(&blocked);
+    assert!(found.iter().any(|c| c.y < 19) && found.iter().any(|c| c.y > 21), "{found:?}");
+}
+
+/// Two rooms joined by a door in a wall that one can walk around: 2.5 m from the middle of the door to the end of the
+/// wall, where an opening too wide for a door begins.
+fn screen() -> CellGraph {
+    map(82, 62, |x, y| (40..42).contains(&x) && y < 32 && !(4..13).contains(&y))
+}
+
+#[test]
+fn a_plausible_gate_is_a_doorway_where_the_labels_support_it() {
+    let graph = screen();
+    assert_eq!(doorways(&graph), [], "both sides are one room");
+    let rows =
+        graph.cells().iter().flat_map(|cell| if cell.x < 41 { [0.9, 0.1, 0.0] } else { [0.1, 0.9, 0.0] });
+    let field = LabelField::from_rows(3, rows.collect());
+    let labels = field.most_likely();
+    let config = DoorwayConfig::default();
+    let marked = mark(&graph, RESOLUTION_M, &field, &labels, &LabelSet::default(), &config);
+    let n_doorway = marked.iter().filter(|label| **label == DOORWAY).count();
+    assert!(n_doorway >= 9 * 5, "a corridor on one side, a room on the other: {n_doorway}");
+    let undecided = LabelField::from_rows(3, [0.5, 0.5, 0.0].repeat(graph.n_nodes()));
+    let marked = mark(&graph, RESOLUTION_M, &undecided, &labels, &LabelSet::default(), &config);
+    assert!(marked.iter().all(|label| *label != DOORWAY));
+}
+
+#[test]
+fn obstacles_know_their_length() {
+    let graph = map(30, 20, |x, y| {
+        (5..8).contains(&x) && y == 5 || x == 8 && y == 6 || x == 20 && (10..12).contains(&y)
+    });
+    let obstacles = Obstacles::of(&graph);
+    let at = |x: f64, y: f64| obstacles.length_at(Point2::new(x + 0.5, y + 0.5));
+    assert_eq!(at(5.0, 5.0), 4, "diagonal cells belong together");
+    assert_eq!(at(8.0, 6.0), 4);
+    assert_eq!(at(21.0, 12.0), 2, "of the cells around");
+    assert_eq!(at(14.0, 14.0), 0);
+    assert_eq!(at(0.0, 9.0), Obstacles::ENDLESS);
+    assert_eq!(at(-3.0, 9.0), Obstacles::ENDLESS);
+    assert_eq!(obstacles.cleared(2).n_nodes(), graph.n_nodes() + 2);
+    assert_eq!(obstacles.cleared(4).n_nodes(), graph.n_nodes() + 6);
+}
+
+#[test]
+fn walks_measure_both_sides_of_a_gate_and_the_way_around() {
+    // A wall with a door of 5 cells in rows 8 to 12, its upper end 4 cells on, in a hall of 40 x 38 free cells.
+    let graph = map(42, 40, |x, y| x == 20 && y < 17 && !(8..13).contains(&y));
+    let clearance = squared_clearance(&graph);
+    let gate = Gate { center: Point2::new(20.5, 10.5), across: Vec2::new(0.0, 1.0), width: 6.0, depth: 1.0 };
+    let walks = Walks { near: 1.0, far: 2.0, labels: (0.5, 1.5), bypass: 60.0 };
+    let found = surroundings(&graph, &clearance, &gate, &walks);
+    // From row 12 up to row 16, with a diagonal step onto the end of the wall and one down from it: 6 steps up to
+    // the end, 6 down.
+    assert!((found.bypass - 10.0).abs() < 1e-12, "{}", found.bypass);
+    let [left, right] = &found.sides;
+    assert_eq!(left.near_clearance, right.near_clearance);
+    assert!(left.far_clearance > left.near_clearance);
+    // Five cells beside the line; with the first step, to 8-neighbors, two above and below them and seven in the next
+    // column; with the second, to 4-neighbors, two at both ends and seven in the column after that.
+    assert_eq!(left.label_nodes.len(), 9);
+    assert_eq!(left.n_cells, 5 + 9 + 11);
 }

@@ -1,0 +1,79 @@
+//! Whether a gate is a doorway: what its surroundings and the labels say.
+
+use super::gate::Gate;
+use super::obstacles::Obstacles;
+use super::paint;
+use super::sides::{Side, Surroundings, Walks, surroundings};
+use super::{DoorwayConfig, GateRule};
+use crate::geom::Vec2;
+use crate::grid::CellGraph;
+use crate::labels::{LabelField, LabelSet, Role};
+
+/// All that is asked when a gate is judged.
+pub(super) struct Evidence<'a> {
+    /// The free cells of the map.
+    pub(super) graph: &'a CellGraph,
+    /// Distribution of every node of `graph`.
+    pub(super) field: &'a LabelField,
+    pub(super) label_set: &'a LabelSet,
+    pub(super) obstacles: &'a Obstacles,
+    pub(super) resolution_m: f64,
+    pub(super) config: &'a DoorwayConfig,
+}
+
+impl Evidence<'_> {
+    /// Whether `gate`, found in `cleared`, is a doorway: by its form alone, or by its form and the labels.
+    pub(super) fn is_doorway(&self, cleared: &CellGraph, clearance: &[i64], gate: &Gate) -> bool {
+        let cells = |meters: f64| meters / self.resolution_m;
+        let config = self.config;
+        let walks = Walks {
+            near: cells(0.6),
+            far: cells(1.0),
+            labels: (cells(0.4), cells(1.5)),
+            bypass: cells(config.clear.min_bypass_m.max(config.plausible.min_bypass_m)),
+        };
+        let found = surroundings(cleared, clearance, gate, &walks);
+        self.fulfills(&config.clear, gate, &found)
+            || self.fulfills(&config.plausible, gate, &found)
+                && self.support(cleared, gate, &found) >= config.min_support
+    }
+
+    fn fulfills(&self, rule: &GateRule, gate: &Gate, found: &Surroundings) -> bool {
+        let half = gate.width / 2.0;
+        let wide_enough = |side: &Side| {
+            (side.near_clearance as f64).sqrt() >= rule.near_widening * half
+                && (side.far_clearance as f64).sqrt() >= rule.far_widening * half
+                && side.n_cells as f64 * self.resolution_m.powi(2) >= rule.min_area_m2
+        };
+        let jamb_m = |offset: Vec2| self.obstacles.length_at(gate.center + offset) as f64 * self.resolution_m;
+        let to_jamb = gate.across * half;
+        // Half a step of tolerance: the walk is capped at the number asked for.
+        found.bypass * self.resolution_m >= rule.min_bypass_m - self.resolution_m / 2.0
+            && jamb_m(to_jamb).min(jamb_m(to_jamb * -1.0)) >= rule.min_jamb_m
+            && found.sides.iter().all(wide_enough)
+    }
+
+    /// How much the labels speak for a doorway, 0 to 1: the mean probability of one in it, or the largest
+    /// difference between the two sides in the mean probability of another class.
+    fn support(&self, cleared: &CellGraph, gate: &Gate, found: &Surroundings) -> f64 {
+        let mean = |nodes: &[usize], wanted: &dyn Fn(usize) -> bool| {
+            let rows: Vec<&[f32]> = (nodes.iter())
+                .filter_map(|&node| self.graph.node_at(cleared.cells()[node]))
+                .map(|node| self.field.row(node))
+                .collect();
+            let total: f64 = (rows.iter())
+                .map(|row| (0..row.len()).filter(|&k| wanted(k)).map(|k| row[k] as f64).sum::<f64>())
+                .sum();
+            total / rows.len().max(1) as f64
+        };
+        let is_doorway: Vec<bool> =
+            self.label_set.labels().map(|label| self.label_set.role(label) == Role::Doorway).collect();
+        let margin = self.config.margin_m / self.resolution_m;
+        let of_doorway = mean(&paint::strip(cleared, gate, margin), &|k| is_doorway[k]);
+        let [one, other] = &found.sides;
+        (0..is_doorway.len())
+            .filter(|&k| !is_doorway[k])
+            .map(|k| (mean(&one.label_nodes, &|l| l == k) - mean(&other.label_nodes, &|l| l == k)).abs())
+            .fold(of_doorway, f64::max)
+    }
+}
