@@ -86,12 +86,12 @@ impl<'a> Setup<'a> {
 
     /// Labels `map`.
     pub(crate) fn label(&self, map: &LoadedMap, watch: &Watch) -> Result<Labeled> {
-        let analysis = pipeline::analyze(&map.grid, &self.model.model, &self.config, watch);
-        let timings = watch.finish();
         let info = MapInfo::of(&map.grid, &map.name, &map.hash);
         if let Some(found) = self.previous_frame_id.as_ref().filter(|found| **found != info.frame_id) {
             anyhow::bail!("expected an earlier result in the frame {:?}, found {found:?}", info.frame_id);
         }
+        let analysis = pipeline::analyze(&map.grid, &self.model.model, &self.config, watch);
+        let timings = watch.finish();
         let label_set = &self.model.model.label_set;
         let mut document =
             TopologyDocument::new(info, Some(self.model.info()), label_set, &analysis.topology);

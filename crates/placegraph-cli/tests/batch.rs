@@ -6,6 +6,9 @@ mod running;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::Duration;
 
 use running::{json, names, placegraph, stderr};
 use tempfile::TempDir;
@@ -122,6 +125,37 @@ fn a_batch_tables_what_worked_and_what_did_not_and_resumes() {
     assert_eq!(run(&["--resume", "--export", "tmap2,graphml"]).status.code(), Some(0));
     assert_eq!(statuses(&out), expected(&[("a", "kept"), ("b", "kept"), ("c", "kept")]));
     assert!(out.join("c/c.tmap2.yaml").exists());
+}
+
+#[test]
+fn a_killed_run_is_taken_up_where_it_ended() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let maps: Vec<PathBuf> =
+        ["a", "b", "c", "d", "e"].iter().map(|name| write_map(folder.path(), name, 60)).collect();
+    let first = out.join("a/topology.json");
+    let mut run = Command::new(env!("CARGO_BIN_EXE_placegraph"))
+        .args(["map", "--out"])
+        .arg(&out)
+        .args(&maps)
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    while !first.exists() && run.try_wait().unwrap().is_none() {
+        thread::sleep(Duration::from_millis(2));
+    }
+    run.kill().unwrap();
+    run.wait().unwrap();
+    assert!(!out.join("summary.csv").exists(), "the table comes at the end");
+
+    let mut args: Vec<&dyn AsRef<std::ffi::OsStr>> = vec![&"map", &"--resume", &"--out", &out];
+    args.extend(maps.iter().map(|map| map as &dyn AsRef<std::ffi::OsStr>));
+    assert_eq!(placegraph(&args).status.code(), Some(0));
+    let statuses = statuses(&out);
+    assert_eq!(statuses.len(), maps.len());
+    assert_eq!(statuses[0], ("a".to_owned(), "kept".to_owned()));
+    assert!(statuses.iter().any(|(_, status)| status == "labeled"), "{statuses:?}");
+    assert!(["a", "b", "c", "d", "e"].iter().all(|map| out.join(map).join("overview.png").exists()));
 }
 
 #[test]
