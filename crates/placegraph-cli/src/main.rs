@@ -2,7 +2,11 @@
 
 mod args;
 mod commands;
+mod document;
+mod exports;
+mod labeling;
 mod manifest;
+mod masks;
 mod model;
 mod output;
 mod progress;
@@ -14,7 +18,9 @@ use anyhow::{Context, Result};
 use clap::Parser;
 
 use crate::args::{Cli, Command};
-use crate::commands::{Outcome, evaluate, features, generate, info, map, scan, train};
+use crate::commands::{
+    Outcome, evaluate, export, features, generate, info, locate, map, route, scan, shell, train,
+};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -44,6 +50,11 @@ fn run(cli: &Cli) -> Result<Outcome> {
         Command::Scan(args) => scan::run(args),
         Command::Features(args) => features::run(args),
         Command::Generate(args) => generate::run(args),
+        Command::Export(args) => export::run(args),
+        Command::Where(args) => locate::run(args),
+        Command::Route(args) => route::run(args),
+        Command::Completions(args) => shell::completions(args),
+        Command::Man(args) => shell::man(args),
     }
 }
 

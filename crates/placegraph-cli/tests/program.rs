@@ -1,57 +1,13 @@
 //! The program as its users run it: files in, files out, exit status, one clear message for every mistake.
-#![expect(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "helpers of tests")]
+
+mod running;
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::path::Path;
 
+use running::{done, names, placegraph, refused, shipped, stderr};
 use tempfile::TempDir;
-
-fn shipped(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../maps").join(name)
-}
-
-fn placegraph(args: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
-    for arg in args {
-        command.arg(arg);
-    }
-    command.output().expect("the program starts")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8_lossy(&output.stderr).into_owned()
-}
-
-#[track_caller]
-fn done(args: &[&dyn AsRef<std::ffi::OsStr>]) -> String {
-    let output = placegraph(args);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    String::from_utf8(output.stdout).expect("results are text")
-}
-
-/// The program refuses with status 2 and one message that has all `words`.
-#[track_caller]
-fn refused(args: &[&dyn AsRef<std::ffi::OsStr>], words: &[&str]) {
-    let output = placegraph(args);
-    let message = stderr(&output);
-    assert_eq!(output.status.code(), Some(2), "{message}");
-    let errors = message.lines().filter(|line| line.starts_with("error:")).count();
-    assert_eq!(errors, 1, "one error, found: {message}");
-    for word in words {
-        assert!(message.contains(word), "expected {word:?} in: {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
-}
 
 #[test]
 fn one_map_goes_into_the_folder_itself() {
@@ -78,7 +34,7 @@ fn several_maps_get_a_folder_each_and_one_that_fails_stops_nobody() {
     ]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert!(stderr(&output).contains("missing.yaml"));
-    assert_eq!(names(&out.path().join("all")), ["home", "office"]);
+    assert_eq!(names(&out.path().join("all")), ["home", "office", "summary.csv"]);
 }
 
 #[test]

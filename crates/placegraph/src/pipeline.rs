@@ -2,23 +2,29 @@
 
 use crate::boost::{CompiledClassifiers, cell_scores};
 use crate::doorways::{self, DoorwayConfig};
-use crate::grid::{CellGraph, OccupancyGrid};
+use crate::grid::{CellGraph, GridShape, OccupancyGrid};
 use crate::labels::{LabelField, Labeling};
 use crate::model::{Method, Model};
 use crate::progress::{Progress, Stage};
 use crate::regions::{DiagonalSteps, RegionMap, connected, correct};
 use crate::relax::relax;
 use crate::spaces::{self, SpaceConfig};
-use crate::topology::{self, TopologicalMap};
+use crate::topology::edits::{self, Edit, Edited, NotApplied};
+use crate::topology::identity::{CarriedOver, Change, carry_over};
+use crate::topology::{self, PlaceId, TopologicalMap};
 
-/// What of the pipeline is run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What of the pipeline is run, and what is known of the map's places before.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Config {
     /// Whether narrow passages between larger spaces are marked as doorways, and the spaces between them
     /// labeled as a whole.
     pub doorways: Doorways,
     /// Whether small regions, and doorways that join nothing, are relabeled (Sect. 4.7).
     pub correction: Correction,
+    /// Corrections by hand, applied after the automatic ones in this order.
+    pub edits: Vec<Edit>,
+    /// An earlier result: places that are still there keep its numbers and names.
+    pub previous: Option<TopologicalMap>,
 }
 
 /// Whether narrow passages become doorways, whatever their cells were labeled ([`doorways::mark`]), and the
@@ -42,12 +48,6 @@ pub enum Correction {
     Skip,
 }
 
-impl Default for Config {
-    fn default() -> Self {
-        Self { doorways: Doorways::Mark, correction: Correction::Apply }
-    }
-}
-
 /// Every result of the pipeline. Fields and labels are over the nodes of `graph`.
 #[derive(Clone, Debug)]
 pub struct Analysis {
@@ -57,12 +57,18 @@ pub struct Analysis {
     pub classified: LabelField,
     /// The same after the neighbors were heard (Sect. 4.5 or 4.6).
     pub smoothed: LabelField,
-    /// The regions, corrected if asked for (Sect. 4.7).
+    /// The regions, corrected if asked for (Sect. 4.7) and edited.
     pub regions: RegionMap,
     /// The label of every node: that of its region.
     pub labeling: Labeling,
     /// The topological map of the regions.
     pub topology: TopologicalMap,
+    /// Number of every region's place.
+    pub place_ids: Vec<PlaceId>,
+    /// What became of every edit.
+    pub edit_outcomes: Vec<Result<(), NotApplied>>,
+    /// What changed since the earlier result; empty without one.
+    pub changes: Vec<Change>,
 }
 
 /// Labels `map` with `model` and builds its topological map.
@@ -90,15 +96,33 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
             spaces::settle(&graph, resolution_m, &smoothed, &labeling, label_set, &SpaceConfig::default());
     }
     let found = connected(&graph, &labeling, DiagonalSteps::default());
-    let regions = match config.correction {
+    let corrected = match config.correction {
         Correction::Skip => found,
         Correction::Apply => {
             correct(&graph, resolution_m, &found, &model.label_set, &model.thresholds).regions
         }
     };
+    let Edited { regions, names, outcomes } =
+        edits::apply(&map.frame, &graph, &model.label_set, &corrected, &config.edits);
     let labeling = regions.labeling();
 
     progress.begin(Stage::Topology);
-    let topology = topology::build(&graph, &map.frame, &smoothed, &regions, &model.label_set);
-    Analysis { graph, classified, smoothed, regions, labeling, topology }
+    let built = topology::build(&graph, &map.frame, &smoothed, &regions, &model.label_set);
+    let names = names.into_iter().map(|(region, name)| (topology::place_id(region), name)).collect();
+    let CarriedOver { map: topology, renumbered, changes } = match &config.previous {
+        Some(previous) => carry_over(&built, GridShape::of(map), previous, &names),
+        None => CarriedOver::first(built, &names),
+    };
+    let place_ids = renumbered.into_values().collect();
+    Analysis {
+        graph,
+        classified,
+        smoothed,
+        regions,
+        labeling,
+        topology,
+        place_ids,
+        edit_outcomes: outcomes,
+        changes,
+    }
 }

@@ -7,6 +7,7 @@ use placegraph::import::image::{Samples, decode};
 use placegraph::import::{LabelCell, LabelCoding, read_labels, read_rooms, ros};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::regions::{DiagonalSteps, Region, RegionId, RegionMap};
+use placegraph::topology::PlaceId;
 use proptest::prelude::*;
 
 fn map() -> OccupancyGrid {
@@ -40,10 +41,16 @@ fn a_region_image_has_16_bits_and_says_when_they_do_not_do() {
         regions: vec![region; n],
         diagonal: DiagonalSteps::default(),
     };
-    let png = region_png(&graph, &regions(300)).unwrap();
+    let up_to = |n: u32| -> Vec<PlaceId> { (1..=n).map(PlaceId).collect() };
+    let png = region_png(&graph, &regions(300), &up_to(300)).unwrap();
     assert_eq!(read_rooms(&png, (3, 2)).unwrap().values(), [0, 1, 0, 300, 2, 0]);
-    assert!(region_png(&graph, &regions(65535)).is_ok());
-    assert_eq!(region_png(&graph, &regions(65536)), Err(RasterError::TooManyRegions { found: 65536 }));
+    let mut place_ids = up_to(300);
+    place_ids[1] = PlaceId(65535);
+    let png = region_png(&graph, &regions(300), &place_ids).unwrap();
+    assert_eq!(read_rooms(&png, (3, 2)).unwrap().values(), [0, 1, 0, 300, 65535, 0]);
+    place_ids[1] = PlaceId(65536);
+    let refused = region_png(&graph, &regions(300), &place_ids);
+    assert_eq!(refused, Err(RasterError::TooManyRegions { found: 65536 }));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use building::{Building, SCALE};
 use placegraph::geom::Pose2;
 use placegraph::grid::Grid;
-use placegraph::topology::identity::{Change, carry_over, name_places};
+use placegraph::topology::identity::{CarriedOver, Change, carry_over, name_places};
 use placegraph::topology::{PlaceId, TopologicalMap};
 
 /// The drawing as cells, with `change` applied to its rows of letters.
@@ -33,7 +33,7 @@ fn named() -> TopologicalMap {
 }
 
 fn carried(building: &Building) -> (TopologicalMap, Vec<Change>) {
-    let result = carry_over(&building.map, building.shape(), &named());
+    let result = carry_over(&building.map, building.shape(), &named(), &BTreeMap::new());
     (result.map, result.changes)
 }
 
@@ -43,6 +43,21 @@ fn the_same_map_keeps_everything() {
     let (map, changes) = carried(&building);
     assert_eq!(map, named());
     assert_eq!(changes, []);
+}
+
+#[test]
+fn names_given_by_hand_win_over_earlier_ones() {
+    let building = building::drawn(Pose2::default());
+    // The second place takes the name that the first has had.
+    let given = BTreeMap::from([(PlaceId(2), "named 1".to_owned())]);
+    let map = carry_over(&building.map, building.shape(), &named(), &given).map;
+    let name = |id| map.place(PlaceId(id)).unwrap().name.as_str();
+    assert_eq!((name(2), name(3)), ("named 1", "named 3"));
+    assert_eq!(name(1), format!("{} 1", map.places[0].class));
+
+    let first = CarriedOver::first(building.map.clone(), &given).map;
+    assert_eq!(first.place(PlaceId(2)).unwrap().name, "named 1");
+    assert_eq!(first.place(PlaceId(1)), building.map.place(PlaceId(1)));
 }
 
 #[test]

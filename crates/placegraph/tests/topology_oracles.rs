@@ -7,7 +7,7 @@ use placegraph::geom::{Point2, Pose2};
 use placegraph::grid::{CellGraph, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Label, LabelField, LabelSet, Role};
 use placegraph::regions::{DiagonalSteps, RegionMap, connected};
-use placegraph::topology::{PolygonWithHoles, TopologicalMap, build};
+use placegraph::topology::{PlaceId, PolygonWithHoles, Route, TopologicalMap, build};
 use placegraph_testkit::distance::squared_clearance;
 use proptest::prelude::*;
 
@@ -142,16 +142,37 @@ proptest! {
         for connection in &map.connections {
             // Cells that meet at a corner only may have no way between them.
             let Some(route) = &connection.route else { continue };
-            let path = &route.line;
-            for line in path.windows(2) {
-                // Points on the way, but not the corners of cells.
-                for part in (0..=100).map(|part| (part as f64 + 0.317) / 101.0) {
-                    let cell = frame.cell_at(line[0] + (line[1] - line[0]) * part).unwrap();
-                    prop_assert!(graph.node_at(cell).is_some(), "a route runs through free cells");
-                }
+            for point in points_on(route) {
+                let node = graph.node_at(frame.cell_at(point).unwrap());
+                prop_assert!(node.is_some(), "a route runs through free cells");
             }
         }
         prop_assert!(map.connections.windows(2).all(|c| (c[0].a, c[0].b) < (c[1].a, c[1].b)));
         prop_assert!(map.connections.iter().all(|c| c.a < c.b && map.place(c.b).is_some()));
     }
+
+    #[test]
+    fn places_that_share_a_side_have_a_route_that_leaves_neither((graph, labels) in maps()) {
+        let frame = MapFrame::new(0.05, Pose2::default()).unwrap();
+        // No place hangs together by a corner only.
+        let regions = connected(&graph, &labels, DiagonalSteps::Never);
+        let map = built(&graph, &labels, &frame, &regions);
+        for connection in map.connections.iter().filter(|connection| connection.contact_m > 0.0) {
+            let route = connection.route.as_ref();
+            prop_assert!(route.is_some(), "{:?} to {:?}", connection.a, connection.b);
+            for point in route.into_iter().flat_map(points_on) {
+                let node = graph.node_at(frame.cell_at(point).unwrap()).unwrap();
+                let place = PlaceId(regions.region_of[node].0 + 1);
+                prop_assert!([connection.a, connection.b].contains(&place), "{:?} in {:?}", connection, place);
+            }
+        }
+    }
+}
+
+/// Points on the way, but not the corners of cells.
+fn points_on(route: &Route) -> impl Iterator<Item = Point2> {
+    route.line.windows(2).flat_map(|ends| {
+        let parts = (0..=100).map(|part| (part as f64 + 0.317) / 101.0);
+        parts.map(|part| ends[0] + (ends[1] - ends[0]) * part)
+    })
 }

@@ -1,11 +1,16 @@
 //! One file a command.
 
+mod batch;
 pub(crate) mod evaluate;
+pub(crate) mod export;
 pub(crate) mod features;
 pub(crate) mod generate;
 pub(crate) mod info;
+pub(crate) mod locate;
 pub(crate) mod map;
+pub(crate) mod route;
 pub(crate) mod scan;
+pub(crate) mod shell;
 pub(crate) mod train;
 
 /// How a command ended that could do its work.

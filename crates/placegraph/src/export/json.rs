@@ -53,6 +53,9 @@ pub struct ProgramInfo {
     pub name: String,
     /// Its version.
     pub version: String,
+    /// The options of the run that its results depend on.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub options: Vec<String>,
 }
 
 /// The map that a document is about.
@@ -190,7 +193,7 @@ impl MapInfo {
 }
 
 impl TopologyDocument {
-    /// A document of `topology`, without timings and findings. Measures are rounded to four decimals (points and areas to nine),
+    /// A document of `topology`, without options, timings and findings. Measures are rounded to four decimals (points and areas to nine),
     /// so that the same bytes come out when the document is read and written again.
     pub fn new(
         map: MapInfo,
@@ -204,6 +207,7 @@ impl TopologyDocument {
             program: ProgramInfo {
                 name: "placegraph".to_owned(),
                 version: env!("CARGO_PKG_VERSION").to_owned(),
+                options: Vec::new(),
             },
             map,
             model,

@@ -8,16 +8,17 @@ use image::{ExtendedColorType, ImageEncoder};
 use crate::grid::{CellGraph, MapFrame};
 use crate::labels::Labeling;
 use crate::regions::RegionMap;
+use crate::topology::PlaceId;
 
 /// Why a raster cannot be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RasterError {
-    /// A 16-bit image holds 65535 ids beside 0.
-    #[error("expected at most 65535 regions for a 16-bit image, found {found}")]
+    /// A 16-bit image holds numbers up to 65535.
+    #[error("expected place numbers up to 65535 for a 16-bit image, found {found}")]
     TooManyRegions {
-        /// How many there are.
-        found: usize,
+        /// The largest number.
+        found: u32,
     },
 }
 
@@ -32,21 +33,27 @@ pub fn label_png(graph: &CellGraph, labeling: &Labeling) -> Vec<u8> {
     png(graph, &pixels, ExtendedColorType::L8)
 }
 
-/// The region image: 16-bit gray PNG of the map's size, 0 where there is no free cell, else region number
-/// plus 1. map_server reduces images to 8 bits, so this one is for programs that read 16.
+/// The region image: 16-bit gray PNG of the map's size, 0 where there is no free cell, else the number of the
+/// place; `place_ids` has that of every region. map_server reduces images to 8 bits, so this one is for
+/// programs that read 16.
 ///
 /// # Errors
-/// If there are more than 65535 regions.
+/// If a number is above 65535.
 ///
 /// # Panics
-/// If `regions` has not one region per node.
-pub fn region_png(graph: &CellGraph, regions: &RegionMap) -> Result<Vec<u8>, RasterError> {
+/// If `regions` has not one region per node, or `place_ids` not one number per region.
+pub fn region_png(
+    graph: &CellGraph,
+    regions: &RegionMap,
+    place_ids: &[PlaceId],
+) -> Result<Vec<u8>, RasterError> {
     assert_eq!(regions.region_of.len(), graph.n_nodes(), "one region per node");
-    let found = regions.regions.len();
-    if found > usize::from(u16::MAX) {
+    assert_eq!(place_ids.len(), regions.regions.len(), "one number per region");
+    let found = place_ids.iter().map(|id| id.0).max().unwrap_or(0);
+    if found > u32::from(u16::MAX) {
         return Err(RasterError::TooManyRegions { found });
     }
-    let pixels = image_rows(graph, |node| regions.region_of[node].0 as u16 + 1);
+    let pixels = image_rows(graph, |node| place_ids[regions.region_of[node].index()].0 as u16);
     // The encoder takes samples in the order of this machine's bytes.
     let bytes: Vec<u8> = pixels.iter().flat_map(|id| id.to_ne_bytes()).collect();
     Ok(png(graph, &bytes, ExtendedColorType::L16))

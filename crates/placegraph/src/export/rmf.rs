@@ -74,6 +74,15 @@ pub fn rmf_nav_graph(
     #[derive(Serialize)]
     struct VertexOptions<'a> {
         name: &'a str,
+        // Readers may ask for these three. What a vertex is used for, the operator says.
+        is_charger: bool,
+        is_holding_point: bool,
+        is_parking_spot: bool,
+    }
+    impl<'a> VertexOptions<'a> {
+        fn named(name: &'a str) -> Self {
+            Self { name, is_charger: false, is_holding_point: false, is_parking_spot: false }
+        }
     }
     #[derive(Serialize)]
     struct LaneOptions<'a> {
@@ -92,7 +101,7 @@ pub fn rmf_nav_graph(
     let vertices = graph
         .vertices
         .iter()
-        .map(|vertex| (tenth_mm(vertex.at.x), tenth_mm(vertex.at.y), VertexOptions { name: &vertex.name }));
+        .map(|vertex| (tenth_mm(vertex.at.x), tenth_mm(vertex.at.y), VertexOptions::named(&vertex.name)));
     let lanes = graph.lanes.iter().flat_map(|lane| {
         let options = || LaneOptions { speed_limit: 0.0, door_name: lane.door };
         [(lane.from, lane.to, options()), (lane.to, lane.from, options())]

@@ -77,7 +77,8 @@ pub fn build(
     map
 }
 
-fn place_id(region: RegionId) -> PlaceId {
+/// The number that [`build`] gives the place of `region`.
+pub(crate) fn place_id(region: RegionId) -> PlaceId {
     PlaceId(region.0 + 1)
 }
 

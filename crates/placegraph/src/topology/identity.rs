@@ -64,10 +64,25 @@ pub struct CarriedOver {
     pub changes: Vec<Change>,
 }
 
+impl CarriedOver {
+    /// A map without an earlier self: its places keep their numbers, and those in `given` get the names given.
+    pub fn first(mut map: TopologicalMap, given: &BTreeMap<PlaceId, String>) -> Self {
+        name_places(&mut map, &given.iter().map(|(&id, name)| (id, name.as_str())).collect());
+        let renumbered = map.places.iter().map(|place| (place.id, place.id)).collect();
+        Self { map, renumbered, changes: Vec::new() }
+    }
+}
+
 /// Gives the places of `current`, which lie on the grid `shape`, the numbers and names they have in `previous`.
 ///
-/// Places without an earlier self get numbers above all earlier ones and default names.
-pub fn carry_over(current: &TopologicalMap, shape: GridShape, previous: &TopologicalMap) -> CarriedOver {
+/// The names in `given`, by number in `current`, win over earlier ones. Places without an earlier self get numbers
+/// above all earlier ones and default names.
+pub fn carry_over(
+    current: &TopologicalMap,
+    shape: GridShape,
+    previous: &TopologicalMap,
+    given: &BTreeMap<PlaceId, String>,
+) -> CarriedOver {
     let overlaps = Overlaps::new(current, shape, previous);
     let mut earlier_self = overlaps.best_pairs();
     pair_moved_doorways(current, previous, &mut earlier_self);
@@ -85,8 +100,14 @@ pub fn carry_over(current: &TopologicalMap, shape: GridShape, previous: &Topolog
         })
         .collect();
     let mut map = renumber(current, &renumbered);
-    let names: BTreeMap<PlaceId, &str> =
-        earlier_self.values().filter_map(|&id| Some((id, previous.place(id)?.name.as_str()))).collect();
+    let given: BTreeMap<PlaceId, &str> =
+        given.iter().filter_map(|(id, name)| Some((*renumbered.get(id)?, name.as_str()))).collect();
+    let mut names: BTreeMap<PlaceId, &str> = earlier_self
+        .values()
+        .filter_map(|&id| Some((id, previous.place(id)?.name.as_str())))
+        .filter(|(_, name)| !given.values().any(|taken| taken == name))
+        .collect();
+    names.extend(given);
     name_places(&mut map, &names);
     let changes = overlaps.changes(previous, &earlier_self, &renumbered);
     CarriedOver { map, renumbered, changes }

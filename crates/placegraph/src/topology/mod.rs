@@ -15,6 +15,7 @@ mod segment;
 
 pub use crate::geom::EllipseAxes;
 pub use build::build;
+pub(crate) use build::place_id;
 pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
 pub use raster::{PlaceRaster, PlaceSpan};
 pub use routes::{COMFORT_M, lay_routes};

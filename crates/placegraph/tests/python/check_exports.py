@@ -3,8 +3,8 @@
 
 usage: check_exports.py DIR      exit status: number of failed checks
 
-Every file is optional; truth.json ({doorway, id, x, y, cell_m, zone}) names a doorway whose place is known, and every
-format that has coordinates must put it within one cell of there. Chromium and Graphviz are used where installed.
+Every export is optional. Every format that has coordinates must put one doorway within a cell of where topology.json has
+it. Chromium is used where installed; DOT is read by pydot, and by Graphviz where installed.
 """
 
 import json
@@ -20,6 +20,7 @@ import geopandas
 import jsonschema
 import networkx
 import numpy
+import pydot
 import yaml
 from PIL import Image
 from shapely.geometry import Point
@@ -79,7 +80,7 @@ class Skipped(Exception):
 class Folder:
     def __init__(self, path):
         self.path = path
-        self.truth = json.loads((path / "truth.json").read_text()) if (path / "truth.json").exists() else None
+        self.truth = known_doorway(json.loads((path / "topology.json").read_text()))
 
     def file(self, pattern):
         found = sorted(self.path.glob(pattern))
@@ -95,6 +96,22 @@ class Folder:
         if self.truth:
             distance = math.hypot(x - self.truth["x"], y - self.truth["y"])
             assert distance <= self.truth["cell_m"], f"the doorway is {distance:.3f} m off"
+
+
+def known_doorway(document):
+    """The first doorway with exactly two ways through it whose opening is in its middle, or None."""
+    cell_m = document["map"]["resolution_m"]
+    ways = [end for c in document["connections"] if "route" in c for end in (c["a"], c["b"])]
+    for place in document["places"]:
+        if place["role"] != "doorway" or ways.count(place["id"]) != 2:
+            continue
+        ax, ay, bx, by = (jamb[axis] for jamb in place["doorway"]["jambs"] for axis in "xy")
+        x, y = (ax + bx) / 2, (ay + by) / 2
+        if math.hypot(x - place["centroid"]["x"], y - place["centroid"]["y"]) < cell_m / 2:
+            classes = list(dict.fromkeys(p["class"] for p in document["places"]))
+            zone = classes.index(place["class"]) + 1
+            return {"doorway": place["name"], "id": place["id"], "x": x, "y": y, "cell_m": cell_m, "zone": zone}
+    return None
 
 
 def nav2(folder):
@@ -155,16 +172,14 @@ def graphml(folder):
 
 def dot(folder):
     file = folder.file("graph.dot")
-    if not shutil.which("dot"):
-        raise Skipped("no Graphviz")
-    text = subprocess.run(["dot", "-Tjson0", file], check=True, capture_output=True).stdout
-    drawn = json.loads(text)
-    nodes = {int(node["name"]): node for node in drawn["objects"]}
-    edges = {tuple(sorted((int(drawn["objects"][e["tail"]]["name"]), int(drawn["objects"][e["head"]]["name"]))))
-             for e in drawn.get("edges", [])}
+    (drawn,) = pydot.graph_from_dot_file(str(file))
+    nodes = {int(node.get_name()): node.get("class").strip('"') for node in drawn.get_nodes() if node.get_name().isdigit()}
+    edges = {tuple(sorted((int(edge.get_source()), int(edge.get_destination())))) for edge in drawn.get_edges()}
     graph = networkx.read_graphml(folder.file("graph.graphml"))
     assert edges == {tuple(sorted((int(a), int(b)))) for a, b in graph.edges}
-    assert {i: n["class"] for i, n in nodes.items()} == {int(i): n["class"] for i, n in graph.nodes(data=True)}
+    assert nodes == {int(node): values["class"] for node, values in graph.nodes(data=True)}
+    if shutil.which("dot"):
+        subprocess.run(["dot", "-Tjson0", file], check=True, capture_output=True)
     return f"{len(nodes)} nodes, {len(edges)} edges"
 
 
@@ -173,6 +188,10 @@ def rmf_nav_graph(folder):
     (level,) = graph["levels"].values()
     names = [v[2]["name"] for v in level["vertices"] if v[2]["name"]]
     assert len(names) == len(set(names))
+    for _, _, options in level["vertices"]:
+        flags = ("is_charger", "is_holding_point", "is_parking_spot")
+        assert isinstance(options["name"], str) and all(type(options[flag]) is bool for flag in flags)
+    assert all(set(door) == {"endpoints", "map"} and door["map"] in graph["levels"] for door in graph["doors"].values())
     for start, end, options in level["lanes"]:
         assert start != end and max(start, end) < len(level["vertices"])
         assert options.get("door_name") is None or options["door_name"] in graph["doors"]
@@ -262,11 +281,12 @@ addEventListener("load", () => {
   const zoomed = before !== document.getElementById("map").getAttribute("viewBox");
   document.querySelector("#places tbody button").click();
   const chosen = document.querySelectorAll(".chosen").length;
-  const box = document.querySelector(".hit").getBoundingClientRect();
   document.getElementById("fit").click();
-  const hit = document.querySelector(".hit").getBoundingClientRect();
-  const event = { clientX: hit.x + hit.width / 2, clientY: hit.y + hit.height / 2, bubbles: true };
-  document.getElementById("map").dispatchEvent(new PointerEvent("pointermove", event));
+  // The middle of a bent place may lie outside of it.
+  const middles = [...document.querySelectorAll(".hit")].map((hit) => hit.getBoundingClientRect())
+    .map((box) => ({ clientX: box.x + box.width / 2, clientY: box.y + box.height / 2, bubbles: true }));
+  const inside = (at) => document.elementsFromPoint(at.clientX, at.clientY).some((node) => node.dataset?.id);
+  document.getElementById("map").dispatchEvent(new PointerEvent("pointermove", middles.find(inside)));
   const tip = document.getElementById("tip").textContent;
   document.body.setAttribute("data-probe", JSON.stringify({ rows, hits, hidden, zoomed, chosen, tip }));
 });
@@ -300,7 +320,7 @@ CHECKS = {
     "Nav2 route graph": nav2,
     "GeoJSON in GeoPandas": geojson,
     "GraphML in NetworkX": graphml,
-    "DOT in Graphviz": dot,
+    "DOT": dot,
     "Open-RMF navigation graph": rmf_nav_graph,
     "Open-RMF building": rmf_building,
     "LCAS tmap2 against its schema": tmap2,

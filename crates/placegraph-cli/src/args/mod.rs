@@ -1,9 +1,13 @@
 //! What can be typed, exactly as typed.
 
+mod values;
+
 use std::path::PathBuf;
-use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
+
+pub(crate) use values::{CropArg, PlacePointArg, PointArg};
 
 /// From an occupancy grid map to corridors, rooms, doorways and how they connect.
 #[derive(Debug, Parser)]
@@ -36,6 +40,16 @@ pub(crate) enum Command {
     Features(FeaturesArgs),
     /// Make buildings with perfect labels, as a robot would map them
     Generate(GenerateArgs),
+    /// Write a topology.json in another program's format
+    Export(ExportArgs),
+    /// Tell which place a point lies in
+    Where(WhereArgs),
+    /// Tell the way from one place to another
+    Route(RouteArgs),
+    /// Print completions for a shell
+    Completions(CompletionsArgs),
+    /// Print the manual page, of the program or of a command
+    Man(ManArgs),
 }
 
 /// How a map file is read.
@@ -90,8 +104,54 @@ pub(crate) struct MapArgs {
     /// Leave small regions and doorways that join nothing as they are
     #[arg(long)]
     pub(crate) no_correction: bool,
+    /// Also write these formats: docs/exports.md
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "FORMAT,...")]
+    pub(crate) export: Vec<Format>,
+    /// What the costs, limits and zones of masks are: docs/exports.md
+    #[arg(long, value_name = "MASKS.toml")]
+    pub(crate) masks: Option<PathBuf>,
+    /// Keep the numbers and names of this earlier result, and print what changed
+    #[arg(long, value_name = "TOPOLOGY.json")]
+    pub(crate) previous: Option<PathBuf>,
+    /// Apply these corrections by hand: docs/exports.md
+    #[arg(long, value_name = "EDITS.toml")]
+    pub(crate) edits: Option<PathBuf>,
+    /// Keep the results that are complete and made from the same map, model, options and version
+    #[arg(long, conflicts_with_all = ["previous", "edits"])]
+    pub(crate) resume: bool,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
+}
+
+/// What can be written beside the results of `map`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub(crate) enum Format {
+    /// Route graph of Navigation 2
+    Nav2,
+    /// Keep-out mask of Navigation 2
+    Nav2Keepout,
+    /// Speed mask of Navigation 2
+    Nav2Speed,
+    /// Zone mask of Navigation 2
+    Nav2Zones,
+    /// Shapes of Navigation 2's vector-object server
+    Nav2Shapes,
+    /// Navigation graph of Open-RMF
+    Rmf,
+    /// Building file of Open-RMF's traffic editor
+    RmfBuilding,
+    /// Topological map of LCAS
+    Tmap2,
+    /// GraphML
+    Graphml,
+    /// Graphviz
+    Dot,
+    /// Outlines as GeoJSON
+    Geojson,
+    /// A drawing
+    Svg,
+    /// Everything on one page for a browser
+    Report,
 }
 
 #[derive(Debug, Args)]
@@ -255,49 +315,73 @@ pub(crate) enum MappingArg {
     Mixed,
 }
 
-/// Pixels of an image, y down, upper bounds exclusive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct CropArg {
-    /// First column.
-    pub(crate) x0: u32,
-    /// First row from the top.
-    pub(crate) y0: u32,
-    /// One past the last column.
-    pub(crate) x1: u32,
-    /// One past the last row.
-    pub(crate) y1: u32,
+#[derive(Debug, Args)]
+pub(crate) struct ExportArgs {
+    /// A result of `placegraph map`
+    #[arg(value_name = "TOPOLOGY.json")]
+    pub(crate) topology: PathBuf,
+    /// What to write
+    #[arg(long, value_enum, value_name = "FORMAT")]
+    pub(crate) to: Format,
+    /// Where to write it: a file, or an existing folder for a file with the usual name
+    #[arg(short, long, value_name = "PATH")]
+    pub(crate) output: PathBuf,
+    /// What the costs, limits and zones of masks are: docs/exports.md
+    #[arg(long, value_name = "MASKS.toml")]
+    pub(crate) masks: Option<PathBuf>,
+    /// The map that the result was made from, for its picture in the report
+    #[arg(long, value_name = "MAP")]
+    pub(crate) map: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
 }
 
-impl FromStr for CropArg {
-    type Err = String;
-    fn from_str(text: &str) -> Result<Self, String> {
-        let numbers = comma_separated::<u32>(text);
-        match numbers.as_deref() {
-            Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Self { x0, y0, x1, y1 }),
-            _ => Err(format!("expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1, found {text:?}")),
-        }
+#[derive(Debug, Args)]
+pub(crate) struct WhereArgs {
+    /// A result of `placegraph map`
+    #[arg(value_name = "TOPOLOGY.json")]
+    pub(crate) topology: PathBuf,
+    /// The point in meters, and the frame that it is in if that is to be checked
+    #[arg(long, value_name = "X,Y[,FRAME]", allow_hyphen_values = true)]
+    pub(crate) at: PlacePointArg,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RouteArgs {
+    /// A result of `placegraph map`
+    #[arg(value_name = "TOPOLOGY.json")]
+    pub(crate) topology: PathBuf,
+    /// Name or number of the first place
+    #[arg(value_name = "FROM")]
+    pub(crate) from: String,
+    /// Name or number of the last place
+    #[arg(value_name = "TO")]
+    pub(crate) to: String,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_enum, value_name = "SHELL")]
+    pub(crate) shell: Shell,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ManArgs {
+    /// The command
+    #[arg(value_name = "COMMAND")]
+    pub(crate) command: Option<String>,
+}
+
+impl std::fmt::Display for Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        // No variant is skipped, so that all have a name.
+        f.write_str(self.to_possible_value().as_ref().map_or("", |value| value.get_name()))
     }
-}
-
-/// A point in meters of the map frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct PointArg {
-    /// First coordinate.
-    pub(crate) x: f64,
-    /// Second coordinate.
-    pub(crate) y: f64,
-}
-
-impl FromStr for PointArg {
-    type Err = String;
-    fn from_str(text: &str) -> Result<Self, String> {
-        match comma_separated::<f64>(text).as_deref() {
-            Some(&[x, y]) if x.is_finite() && y.is_finite() => Ok(Self { x, y }),
-            _ => Err(format!("expected X,Y in meters, found {text:?}")),
-        }
-    }
-}
-
-fn comma_separated<T: FromStr>(text: &str) -> Option<Vec<T>> {
-    text.split(',').map(|part| part.trim().parse().ok()).collect()
 }

@@ -1,0 +1,86 @@
+//! Values with a form of their own.
+
+use std::str::FromStr;
+
+/// Pixels of an image, y down, upper bounds exclusive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct CropArg {
+    /// First column.
+    pub(crate) x0: u32,
+    /// First row from the top.
+    pub(crate) y0: u32,
+    /// One past the last column.
+    pub(crate) x1: u32,
+    /// One past the last row.
+    pub(crate) y1: u32,
+}
+
+impl FromStr for CropArg {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers = comma_separated::<u32>(text);
+        match numbers.as_deref() {
+            Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok(Self { x0, y0, x1, y1 }),
+            _ => Err(format!("expected X0,Y0,X1,Y1 with X0 < X1 and Y0 < Y1, found {text:?}")),
+        }
+    }
+}
+
+/// A point in meters of the map frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PointArg {
+    /// First coordinate.
+    pub(crate) x: f64,
+    /// Second coordinate.
+    pub(crate) y: f64,
+}
+
+impl FromStr for PointArg {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        match comma_separated::<f64>(text).as_deref() {
+            Some(&[x, y]) if x.is_finite() && y.is_finite() => Ok(Self { x, y }),
+            _ => Err(format!("expected X,Y in meters, found {text:?}")),
+        }
+    }
+}
+
+fn comma_separated<T: FromStr>(text: &str) -> Option<Vec<T>> {
+    text.split(',').map(|part| part.trim().parse().ok()).collect()
+}
+
+/// A point in meters, and the name of its frame if one was typed.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct PlacePointArg {
+    /// The point.
+    pub(crate) point: PointArg,
+    /// The frame.
+    pub(crate) frame_id: Option<String>,
+}
+
+impl FromStr for PlacePointArg {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (point, frame_id) = match text.match_indices(',').nth(1) {
+            Some((comma, _)) => (&text[..comma], Some(text[comma + 1..].trim().to_owned())),
+            None => (text, None),
+        };
+        let point = point.parse().map_err(|_| format!("expected X,Y or X,Y,FRAME, found {text:?}"))?;
+        Ok(Self { point, frame_id })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_point_may_name_its_frame() {
+        let point = PointArg { x: 1.5, y: -2.0 };
+        assert_eq!("1.5, -2".parse(), Ok(PlacePointArg { point, frame_id: None }));
+        assert_eq!("1.5,-2,map".parse(), Ok(PlacePointArg { point, frame_id: Some("map".to_owned()) }));
+        for bad in ["", "1", "1,map", "1,nan", "a,b,map"] {
+            assert!(bad.parse::<PlacePointArg>().is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,133 @@
+//! Many maps in one run: a line each, a table at the end, and what is done stays done.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, ensure};
+use placegraph::export::TopologyDocument;
+
+use super::Outcome;
+use crate::args::MapArgs;
+use crate::labeling::{Setup, summary};
+use crate::output::write_file;
+use crate::progress::{MapCounter, Watch};
+use crate::read;
+
+/// Labels all maps into their `folders` and writes `summary.csv`; a map that fails does not stop the rest.
+pub(crate) fn run(folders: &[PathBuf], setup: &Setup<'_>, args: &MapArgs) -> Result<Outcome> {
+    let counter = MapCounter::start(args.maps.len());
+    let classes = setup.classes();
+    let mut table = Table::new(&classes);
+    let mut n_failed = 0;
+    for (path, folder) in args.maps.iter().zip(folders) {
+        let name = path.display().to_string();
+        counter.begin(&name);
+        let result = label(path, folder, setup, args);
+        counter.end(&match &result {
+            Ok((Status::Labeled, document)) => format!("{name}: {}", summary(document)),
+            Ok((Status::Kept, document)) => format!("{name}: kept, {}", summary(document)),
+            Err(error) => format!("error: {name}: {error:#}"),
+        });
+        n_failed += usize::from(result.is_err());
+        table.add(&name, &result);
+    }
+    drop(counter);
+    write_file(&args.out.join("summary.csv"), table.text.as_bytes())?;
+    ensure!(n_failed < args.maps.len(), "none of the {n_failed} maps could be labeled");
+    Ok(if n_failed == 0 { Outcome::Done } else { Outcome::CheckFailed })
+}
+
+/// How a map got its results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Status {
+    /// In this run.
+    Labeled,
+    /// In an earlier one.
+    Kept,
+}
+
+fn label(
+    path: &Path,
+    folder: &Path,
+    setup: &Setup<'_>,
+    args: &MapArgs,
+) -> Result<(Status, TopologyDocument)> {
+    let map = read::map(path, &args.read)?;
+    if args.resume
+        && let Some(document) = setup.kept(&map, folder)
+    {
+        return Ok((Status::Kept, document));
+    }
+    let labeled = setup.label(&map, &Watch::without_bar())?;
+    setup.files(&map, &labeled)?.commit(folder)?;
+    Ok((Status::Labeled, labeled.document))
+}
+
+/// A row per map, as comma-separated values.
+struct Table<'a> {
+    classes: &'a [&'a str],
+    text: String,
+}
+
+impl<'a> Table<'a> {
+    fn new(classes: &'a [&'a str]) -> Self {
+        let header = ["map", "status", "error"].iter().chain(classes);
+        let header = header.chain(&["connections", "area_m2", "seconds"]).map(|&name| name.to_owned());
+        Self { classes, text: row(header) }
+    }
+
+    fn add(&mut self, map: &str, result: &Result<(Status, TopologyDocument)>) {
+        let fields = match result {
+            Ok((status, document)) => {
+                let status = match status {
+                    Status::Labeled => "labeled",
+                    Status::Kept => "kept",
+                };
+                let mut fields = vec![map.to_owned(), status.to_owned(), String::new()];
+                let n_places = |class: &&str| document.places.iter().filter(|p| p.class == **class).count();
+                fields.extend(self.classes.iter().map(|class| n_places(class).to_string()));
+                let area_m2: f64 = document.places.iter().map(|place| place.area_m2).sum();
+                // Of the stages; reading and writing files is not among them.
+                let seconds = document.timings_ms.values().sum::<f64>() / 1e3;
+                let connections = document.connections.len().to_string();
+                fields.extend([connections, format!("{area_m2:.3}"), format!("{seconds:.3}")]);
+                fields
+            }
+            Err(error) => {
+                let mut fields = vec![map.to_owned(), "failed".to_owned(), format!("{error:#}")];
+                fields.resize(self.classes.len() + 6, String::new());
+                fields
+            }
+        };
+        self.text += &row(fields.into_iter());
+    }
+}
+
+/// `fields` as a line of comma-separated values (RFC 4180, with plain line ends).
+fn row(fields: impl Iterator<Item = String>) -> String {
+    let escaped = |field: String| {
+        if field.contains(['"', ',', '\n', '\r']) {
+            format!("\"{}\"", field.replace('"', "\"\""))
+        } else {
+            field
+        }
+    };
+    fields.map(escaped).collect::<Vec<_>>().join(",") + "\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fields_are_escaped_and_rows_equally_long() {
+        assert_eq!(
+            row(["a", "b,c", "say \"d\""].map(str::to_owned).into_iter()),
+            "a,\"b,c\",\"say \"\"d\"\"\"\n"
+        );
+        let mut table = Table::new(&["corridor", "room"]);
+        table.add("x.yaml", &Err(anyhow::anyhow!("expected a map, found none")));
+        let lines: Vec<&str> = table.text.lines().collect();
+        assert_eq!(lines[0], "map,status,error,corridor,room,connections,area_m2,seconds");
+        assert_eq!(lines[1], "x.yaml,failed,\"expected a map, found none\",,,,,");
+    }
+}

@@ -1,0 +1,49 @@
+//! `placegraph route`: the way from one place to another.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use anyhow::{Context, Result};
+use placegraph::topology::query::{find_place, find_route};
+use placegraph::topology::{Place, PlaceRaster, TopologicalMap};
+use serde_json::{Value, json};
+
+use super::Outcome;
+use crate::args::RouteArgs;
+use crate::document;
+use crate::output::{print, print_json};
+
+/// Tells the places and doorways on the shortest way, and how long it is.
+pub(crate) fn run(args: &RouteArgs) -> Result<Outcome> {
+    let document = document::read(&args.topology)?;
+    let map = document.topology();
+    let (from, to) =
+        (named_place(&map, &args.from, &args.topology)?, named_place(&map, &args.to, &args.topology)?);
+    let route = find_route(&map, from.id, to.id)
+        .with_context(|| format!("there is no way from {} to {}", from.name, to.name))?
+        .pulled_straight(&PlaceRaster::new(&map, document.map.shape()?));
+    let places: Vec<&Place> = route.places.iter().filter_map(|&id| map.place(id)).collect();
+    if args.json {
+        let places: Vec<Value> = places.into_iter().map(named).collect();
+        print_json(&json!({ "places": places, "length_m": route.length_m, "line": route.line }))?;
+    } else {
+        let mut text = String::new();
+        for place in places {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "{}", place.name);
+        }
+        print(&format!("{text}{:.2} m\n", route.length_m))?;
+    }
+    Ok(Outcome::Done)
+}
+
+fn named_place<'a>(map: &'a TopologicalMap, text: &str, path: &Path) -> Result<&'a Place> {
+    find_place(map, text).with_context(|| {
+        format!("expected the name or the number of a place in {}, found {text:?}", path.display())
+    })
+}
+
+/// What tells a place from others.
+pub(super) fn named(place: &Place) -> Value {
+    json!({ "id": place.id, "name": place.name, "class": place.class })
+}
