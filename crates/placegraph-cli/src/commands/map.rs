@@ -20,6 +20,7 @@ use crate::read;
 /// Labels every map; with several, one that fails does not stop the rest.
 pub(crate) fn run(args: &MapArgs, verbose: bool) -> Result<Outcome> {
     let model = NamedModel::load(args.model.as_deref())?;
+    model.check_method(args.method)?;
     let folders = output_folders(&args.maps, &args.out)?;
     if let ([map], [folder]) = (args.maps.as_slice(), folders.as_slice()) {
         label(map, folder, &model, args, verbose)?;

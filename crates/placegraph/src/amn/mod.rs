@@ -11,6 +11,6 @@ pub mod nearest;
 mod train;
 mod working_set;
 
-pub use iamn::{IamnModel, Standardization, label};
+pub use iamn::{IamnModel, Labeled, Standardization, label, side_by_side};
 pub use model_file::IamnFileError;
-pub use train::{IamnConfig, IamnReport, TrainingMap, Validated, train};
+pub use train::{IamnConfig, IamnReport, LabeledCells, TrainingMap, Validated, train};

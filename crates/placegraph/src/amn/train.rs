@@ -15,6 +15,7 @@ use super::confidence;
 use super::iamn::{IamnModel, Standardization, distance_of_missing};
 use super::infer;
 use super::learn::{Example, LearnConfig, Learned, Learner};
+use super::model::Weights;
 use super::nearest::Exemplars;
 use crate::features::FeatureTable;
 use crate::features::select::{self, SelectConfig, Selection};
@@ -36,9 +37,9 @@ pub struct TrainingMap<'a> {
 pub struct IamnConfig {
     /// Which features are selected.
     pub select: SelectConfig,
-    /// Values of M to try. Default 1 and 3.
+    /// Values of M to try. Default 1 alone.
     pub n_neighbors: Vec<usize>,
-    /// Values of C to try, ascending, for losses per cell. Default 1, 10, 100, 1000.
+    /// Values of C to try, ascending, for losses per cell. Default 10, 100, 1000.
     pub costs: Vec<f64>,
     /// Exemplars closer than this to a training cell, along both axes of its map, do not count for it. Default 1 m.
     pub exclusion_m: f64,
@@ -54,8 +55,8 @@ impl Default for IamnConfig {
     fn default() -> Self {
         Self {
             select: SelectConfig::default(),
-            n_neighbors: vec![1, 3],
-            costs: vec![1.0, 10.0, 100.0, 1000.0],
+            n_neighbors: vec![1],
+            costs: vec![10.0, 100.0, 1000.0],
             exclusion_m: 1.0,
             n_blocks: 4,
             max_exemplars_per_class: 8000,
@@ -71,8 +72,12 @@ pub struct IamnReport {
     pub selection: Selection,
     /// What every M and C reached on held-out blocks.
     pub validation: Vec<Validated>,
+    /// Which of them was taken.
+    pub best: usize,
     /// The weights' objective and how learning ended.
     pub learned: Learned,
+    /// Training cells by true (row) and found (column) label, K × K; near exemplars did not count for them.
+    pub training_confusion: Vec<u64>,
 }
 
 /// What one choice of M and C reached on held-out blocks.
@@ -88,24 +93,39 @@ pub struct Validated {
     pub macro_f1: f64,
 }
 
-/// Trains on `maps`, whose nodes, map after map, are the rows of `table` and of `labels`.
+/// What is learned from: the nodes of some maps, map after map.
+#[derive(Clone, Copy, Debug)]
+pub struct LabeledCells<'a> {
+    /// The maps.
+    pub maps: &'a [TrainingMap<'a>],
+    /// The features of their nodes.
+    pub table: &'a FeatureTable,
+    /// The true labels of their nodes.
+    pub labels: &'a [Label],
+    /// Number of labels K.
+    pub n_labels: usize,
+    /// Scores of another classifier, K per node, that become node features as they are; or none. They must come from a
+    /// classifier that has not seen the node's surroundings, else the network trusts them too much.
+    pub scores: &'a [f32],
+}
+
+/// Learns from `cells`.
 ///
 /// # Panics
-/// If rows, labels and nodes differ in number, no map is given, or a list of the configuration is empty.
+/// If rows, labels, scores and nodes differ in number, no map is given, or a list of the configuration is empty.
 pub fn train(
-    maps: &[TrainingMap<'_>],
-    table: &FeatureTable,
-    labels: &[Label],
-    n_labels: usize,
+    cells: &LabeledCells<'_>,
     config: &IamnConfig,
     progress: &dyn Progress,
 ) -> (IamnModel, IamnReport) {
+    progress.begin(Stage::Select);
+    let &LabeledCells { table, labels, n_labels, .. } = cells;
     let selection = select::select(table, labels, &config.select);
     let features: Vec<_> = selection.chosen.iter().map(|chosen| chosen.feature).collect();
     let standardization = Standardization::of(table, &features);
-    let cells = TrainingCells::new(maps, &standardization, table, labels, n_labels, config);
+    let cells = TrainingCells::new(cells, &standardization, config);
 
-    progress.begin(Stage::Validate);
+    progress.begin(Stage::Learn);
     let (validation, held_out) = validate(&cells, config, progress);
     let best = (0..validation.len())
         .fold(0, |best, i| if validation[i].macro_f1 > validation[best].macro_f1 { i } else { best });
@@ -114,6 +134,8 @@ pub fn train(
 
     let whole: Vec<Part<'_>> = cells.parts(n_neighbors, |_| true, |_| true);
     let learned = Learner::new(&examples(&whole), n_labels, &config.learn).fit(cost);
+    let on_training = label_parts(&whole, &learned.weights, config);
+    let training_confusion = confusion(&on_training.labels, &on_training.found, n_labels);
     let model = IamnModel {
         n_neighbors,
         exemplars: cells.exemplar_rows,
@@ -123,7 +145,7 @@ pub fn train(
         temperature,
         standardization,
     };
-    (model, IamnReport { selection, validation, learned })
+    (model, IamnReport { selection, validation, best, learned, training_confusion })
 }
 
 /// What validation found for one M and C, over all held-out blocks.
@@ -179,19 +201,21 @@ fn hold_out(
     let rest = cells.parts(n_neighbors, |b| b != block, |b| b != block);
     let tests = cells.parts(n_neighbors, |b| b == block, |b| b != block);
     let mut learner = Learner::new(&examples(&rest), cells.n_labels, &config.learn);
-    let of_cost = |&cost: &f64| {
-        let weights = learner.fit(cost).weights;
-        let mut held_out = HeldOut::default();
-        for Part { graph, features, labels, .. } in &tests {
-            let potentials = weights.potentials(features, config.learn.connectivity);
-            let found = infer::expand(graph, &potentials, &potentials.best_alone());
-            held_out.scores.extend(confidence::conditional_scores(graph, &potentials, &found));
-            held_out.labels.extend(labels);
-            held_out.found.extend(found);
-        }
-        held_out
-    };
+    let of_cost = |&cost: &f64| label_parts(&tests, &learner.fit(cost).weights, config);
     config.costs.iter().map(of_cost).collect()
+}
+
+/// Labels all `parts`.
+fn label_parts(parts: &[Part<'_>], weights: &Weights, config: &IamnConfig) -> HeldOut {
+    let mut held_out = HeldOut::default();
+    for Part { graph, features, labels, .. } in parts {
+        let potentials = weights.potentials(features, config.learn.connectivity);
+        let found = infer::expand(graph, &potentials, &potentials.best_alone());
+        held_out.scores.extend(confidence::conditional_scores(graph, &potentials, &found));
+        held_out.labels.extend(labels);
+        held_out.found.extend(found);
+    }
+    held_out
 }
 
 fn confusion(labels: &[Label], found: &[Label], n_labels: usize) -> Vec<u64> {
@@ -232,6 +256,7 @@ fn examples<'a>(parts: &'a [Part<'_>]) -> Vec<Example<'a>> {
 struct TrainingCells<'a> {
     maps: &'a [TrainingMap<'a>],
     labels: &'a [Label],
+    scores: &'a [f32],
     n_labels: usize,
     n_blocks: usize,
     n_features: usize,
@@ -245,18 +270,13 @@ struct TrainingCells<'a> {
 }
 
 impl<'a> TrainingCells<'a> {
-    fn new(
-        maps: &'a [TrainingMap<'a>],
-        standardization: &Standardization,
-        table: &FeatureTable,
-        labels: &'a [Label],
-        n_labels: usize,
-        config: &IamnConfig,
-    ) -> Self {
+    fn new(cells: &LabeledCells<'a>, standardization: &Standardization, config: &IamnConfig) -> Self {
+        let &LabeledCells { maps, table, labels, n_labels, scores } = cells;
         let rows = standardization.rows(table);
         let n_features = standardization.features.len();
         let n_nodes: usize = maps.iter().map(|map| map.graph.n_nodes()).sum();
         assert!(n_nodes == labels.len() && n_nodes == table.n_rows(), "a row and a label per node");
+        assert!(scores.is_empty() || scores.len() == n_labels * n_nodes, "K scores per node, or none");
         let blocks: Vec<usize> = maps.iter().flat_map(|map| blocks_of(map.graph, config.n_blocks)).collect();
         let exemplars = thin(labels, n_labels, config.max_exemplars_per_class);
         let exemplar_rows: Vec<f32> =
@@ -272,6 +292,7 @@ impl<'a> TrainingCells<'a> {
             exemplar_labels: exemplars.iter().map(|&i| labels[i]).collect(),
             maps,
             labels,
+            scores,
             n_labels,
             n_blocks: config.n_blocks,
             n_features,
@@ -299,14 +320,14 @@ impl<'a> TrainingCells<'a> {
             } else {
                 std::borrow::Cow::Owned(subgraph(map.graph, rows.iter().map(|&i| i - all.start)))
             };
-            let features = rows.iter().flat_map(|&i| self.transform(i, n_neighbors, &to)).collect();
+            let features = rows.iter().flat_map(|&i| self.node_features(i, n_neighbors, &to)).collect();
             parts.push(Part { graph, features, labels: rows.iter().map(|&i| self.labels[i]).collect() });
         }
         parts
     }
 
-    /// τ of cell `i`, Eq. (4.11), from the exemplars of the blocks `to`.
-    fn transform(&self, i: usize, n_neighbors: usize, to: &impl Fn(usize) -> bool) -> Vec<f32> {
+    /// τ of cell `i`, Eq. (4.11), from the exemplars of the blocks `to`; then its scores.
+    fn node_features(&self, i: usize, n_neighbors: usize, to: &impl Fn(usize) -> bool) -> Vec<f32> {
         let per_class = self.n_blocks * self.most_neighbors;
         let row = &self.nearest[i * self.n_labels * per_class..(i + 1) * self.n_labels * per_class];
         let missing = distance_of_missing(self.n_features);
@@ -318,6 +339,9 @@ impl<'a> TrainingCells<'a> {
             all.sort_by(f32::total_cmp);
             let smallest = all.iter().take(n_neighbors);
             distances.extend(smallest.map(|d| if d.is_finite() { d.sqrt() } else { missing }));
+        }
+        if !self.scores.is_empty() {
+            distances.extend(&self.scores[i * self.n_labels..(i + 1) * self.n_labels]);
         }
         distances
     }
@@ -360,7 +384,7 @@ fn blocks_of(graph: &CellGraph, n_blocks: usize) -> Vec<usize> {
     graph.cells().iter().map(|cell| below[cell.x as usize] * n_blocks / graph.n_nodes()).collect()
 }
 
-/// Of every class at most `most` cells, evenly many in map order; ascending.
+/// Of every class at most `most` cells, evenly many in map order; class after class.
 fn thin(labels: &[Label], n_labels: usize, most: usize) -> Vec<usize> {
     let mut kept = Vec::new();
     for class in 0..n_labels {
@@ -368,7 +392,6 @@ fn thin(labels: &[Label], n_labels: usize, most: usize) -> Vec<usize> {
         let step = of_class.len().div_ceil(most).max(1);
         kept.extend(of_class.into_iter().step_by(step));
     }
-    kept.sort_unstable();
     kept
 }
 
