@@ -94,7 +94,7 @@ fn network(n_stumps: Option<usize>) -> Model {
     let boosted = model(n_stumps.unwrap_or(1));
     let Method::Boosted(BoostedModel { list, .. }) = boosted.method else { panic!("a boosted model") };
     let list = n_stumps.map(|_| list);
-    let n_features = 3 + if list.is_some() { 3 } else { 0 };
+    let n_features = 3 + if list.is_some() { 6 } else { 0 };
     let number = |i: usize| ((i + 1) as f64).sqrt() / 3.0 - 1.0;
     let network = IamnModel {
         standardization: Standardization {
@@ -207,7 +207,7 @@ fn what_is_not_exactly_a_network_is_refused() {
     refused("exemplars", json!([""]), "2 to 8 classes");
 
     let list = "/method/iamn/list";
-    assert!(matches!(spoil(&network(Some(2)), list, json!(null)), E::Count { expected: 0, found: 3, .. }));
+    assert!(matches!(spoil(&network(Some(2)), list, json!(null)), E::Count { expected: 0, found: 6, .. }));
     let error = spoil(&network(Some(2)), &format!("{list}/temperature"), json!(0.0));
     assert!(matches!(error, E::Value { field: "temperature", .. }));
     let error = spoil(&network(Some(2)), &format!("{list}/order/0"), json!("kitchen"));

@@ -154,7 +154,7 @@ pub struct Labeled {
 pub fn label(graph: &CellGraph, features: &[f32], model: &IamnModel) -> Labeled {
     let n_labels = model.weights.n_labels();
     let potentials = model.weights.potentials(features, model.connectivity);
-    let labeling = infer::expand(graph, &potentials, &potentials.best_alone());
+    let labeling = infer::expand_from_all(graph, &potentials);
     let scores = confidence::conditional_scores(graph, &potentials, &labeling);
     Labeled {
         alone: confidence::field(&potentials.node, n_labels, model.temperature),

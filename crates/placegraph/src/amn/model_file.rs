@@ -127,10 +127,10 @@ impl IamnFile {
         length("mean", self.mean.len(), n_features)?;
         length("deviation", self.deviation.len(), n_features)?;
         length("weights.edge", self.weights.edge.len(), n_labels)?;
-        // A weight per distance, per score of another classifier if there is one, and for the constant.
-        let n_node_weights = |n_scores: usize| n_labels * (n_labels * self.n_neighbors + n_scores + 1);
-        if self.weights.node.len() != n_node_weights(n_labels) {
-            length("weights.node", self.weights.node.len(), n_node_weights(0))?;
+        // A weight per distance, one per score of another classifier, and that of the constant.
+        let at_least = n_labels * (n_labels * self.n_neighbors + 1);
+        if self.weights.node.len() < at_least || !self.weights.node.len().is_multiple_of(n_labels) {
+            length("weights.node", self.weights.node.len(), at_least)?;
         }
         value(self.mean.iter().all(|v| v.is_finite()), "mean", "finite numbers")?;
         value(self.deviation.iter().all(|&v| v.is_finite() && v > 0.0), "deviation", "numbers above 0")?;

@@ -230,7 +230,7 @@ impl NetworkFile {
     fn into_model(self, label_set: &LabelSet) -> Result<NetworkModel, ModelError> {
         count("classes in the network", label_set.len(), self.network.weights.n_labels())?;
         let list = self.list.map(|list| list.into_list(label_set)).transpose()?;
-        let n_scores = list.as_ref().map_or(0, |list| list.order.len());
+        let n_scores = list.as_ref().map_or(0, |list| 2 * list.order.len());
         count("scores per node that the network weighs", n_scores, self.network.n_scores())?;
         Ok(NetworkModel { list, network: self.network })
     }

@@ -15,8 +15,7 @@ use crate::scan::ScanConfig;
 pub use file::{FORMAT, MAX_BYTES, ModelError, VERSION};
 pub use hash::sha256_hex;
 pub use label::Labeled;
-pub use network::NetworkModel;
-pub(crate) use network::log_probabilities;
+pub use network::{NetworkModel, log_confidences};
 pub use record::{ChoiceRecord, MapRecord, NetworkRecord, OrderRecord, TrainingRecord, ValidationRecord};
 
 /// All that labeling a map needs to know.

@@ -1,10 +1,9 @@
 //! An instance-based network together with the classifier whose scores its nodes see.
 
 use crate::amn::{self, IamnModel};
-use crate::boost::{CompiledClassifiers, DecisionList, table_scores};
+use crate::boost::{CompiledClassifiers, DecisionList, P_FLOOR, Scores, confidence, table_scores};
 use crate::features::{FeatureId, FeatureTable, extract};
 use crate::grid::{Cell, OccupancyGrid};
-use crate::labels::LabelField;
 use crate::progress::{Progress, Silent};
 use crate::scan::ScanConfig;
 
@@ -14,7 +13,8 @@ const CHUNK: usize = 1 << 15;
 /// An instance-based network, alone as in the chapter or on top of a decision list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NetworkModel {
-    /// The list whose log-probabilities are node features besides the distances; without it the network is the chapter's.
+    /// The list whose [`log_confidences`] are node features besides the distances; without it the network is the
+    /// chapter's. Its order is of no account.
     pub list: Option<DecisionList>,
     /// The network.
     pub network: IamnModel,
@@ -22,7 +22,7 @@ pub struct NetworkModel {
 
 impl NetworkModel {
     /// The node features of `cells`, free cells of the map in row-major order: the distances of Eq. (4.11), then the
-    /// list's log-probabilities. Cost: that of the features, the distances and the stumps; features are forgotten chunk
+    /// list's [`log_confidences`]. Cost: that of the features, the distances and the stumps; features are forgotten chunk
     /// by chunk.
     pub fn node_features(
         &self,
@@ -43,7 +43,7 @@ impl NetworkModel {
             let scores = match (&self.list, &classifiers) {
                 (Some(list), Some(classifiers)) => {
                     let rows: Vec<u32> = (0..chunk.len() as u32).collect();
-                    log_probabilities(&list.classify(&table_scores(&table, &rows, classifiers)))
+                    log_confidences(&table_scores(&table, &rows, classifiers), list.temperature)
                 }
                 _ => Vec::new(),
             };
@@ -58,7 +58,25 @@ impl NetworkModel {
     }
 }
 
-/// ln p of all nodes and labels; the decision list floors p, so that none is infinite.
-pub(crate) fn log_probabilities(field: &LabelField) -> Vec<f32> {
-    field.values().iter().map(|p| p.ln()).collect()
+/// ln C⁺ and ln C⁻ of every class (Eqs. 4.2 to 4.4), one example after the other: the log-probabilities of a decision
+/// list in any order are sums of them. Floored as in the list, so that none is infinite.
+pub fn log_confidences(scores: &Scores, temperature: f64) -> Vec<f32> {
+    let of_score = |&score: &f32| {
+        let (yes, no) = confidence(score.into(), temperature);
+        [yes, no].map(|p| p.max(P_FLOOR).ln() as f32)
+    };
+    scores.values().iter().flat_map(of_score).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn log_confidences_are_those_of_a_yes_and_of_a_no() {
+        // F = ln 2 at temperature 1: 4/5 and 1/5; a certain yes has a floor under its no.
+        let found = log_confidences(&Scores::from_rows(2, vec![std::f32::consts::LN_2, 100.0]), 1.0);
+        let expected = [0.8f64.ln(), 0.2f64.ln(), 0.0, P_FLOOR.ln()];
+        assert!(found.iter().zip(expected).all(|(&a, b)| (f64::from(a) - b).abs() < 1e-6), "{found:?}");
+    }
 }

@@ -3,13 +3,15 @@
 //! Cost: features of all labeled cells; boosting as for the list, on a thinned share of them; then that of
 //! [`crate::amn::train`].
 //!
-//! **Deviations**: by default the nodes also see the log-probabilities of a decision list. Those of a training cell come
+//! **Deviations**: by default the nodes also see the log-confidences of a decision list. Those of a training cell come
 //! from a list that did not see its fold; a list is nearly always right on the cells it was trained on, and the network
-//! would trust it alone. [`NetworkConfig::chapter`] is the chapter's network, without a list.
+//! would trust it alone. Wrong cells of rare classes cost more ([`Loss::Root`]): under equal costs the network gives up
+//! doorways, whose every cell has an edge to another class. [`NetworkConfig::chapter`] is the chapter's network, without a list.
 
 use super::train::{SAME_RESOLUTION, record, train_list};
 use super::validate::{CrossValidated, validate};
 use super::{Dataset, LabeledMap, TrainConfig, TrainError, Validation};
+use crate::amn::learn::{LearnConfig, Loss};
 use crate::amn::{self, IamnConfig, IamnReport, LabeledCells, TrainingMap, Validated};
 use crate::boost::{CompiledClassifiers, DecisionList, table_scores};
 use crate::features;
@@ -17,7 +19,7 @@ use crate::features::select::{SelectConfig, Weighing};
 use crate::grid::{CellGraph, Grid, Occupancy};
 use crate::labels::LabelSet;
 use crate::model::{
-    ChoiceRecord, Method, Model, NetworkModel, NetworkRecord, TrainingRecord, log_probabilities,
+    ChoiceRecord, Method, Model, NetworkModel, NetworkRecord, TrainingRecord, log_confidences,
 };
 use crate::progress::Progress;
 
@@ -37,7 +39,7 @@ pub struct NetworkConfig {
 /// What nodes see besides distances to exemplars.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NodeScores {
-    /// Log-probabilities of a decision list.
+    /// Log-confidences of a decision list's classifiers.
     #[default]
     List,
     /// Nothing, as in the chapter.
@@ -50,18 +52,20 @@ const LIST_CELLS_PER_CLASS: usize = 6000;
 impl Default for NetworkConfig {
     fn default() -> Self {
         let base = TrainConfig { max_cells_per_class: Some(LIST_CELLS_PER_CLASS), ..TrainConfig::default() };
-        Self { base, scores: NodeScores::List, network: IamnConfig::default() }
+        let learn = LearnConfig { loss: Loss::Root, ..LearnConfig::default() };
+        Self { base, scores: NodeScores::List, network: IamnConfig { learn, ..IamnConfig::default() } }
     }
 }
 
 impl NetworkConfig {
-    /// The chapter's own setting: 30 of the 203 features, selected as printed, and distances alone.
+    /// The chapter's own setting: 30 of the 203 features, selected as printed; distances alone, to all exemplars but the
+    /// cell itself; every wrong cell costs the same.
     pub fn chapter() -> Self {
         let select = SelectConfig { weighing: Weighing::Printed, ..SelectConfig::default() };
         Self {
             base: TrainConfig { features: features::freiburg203(), ..TrainConfig::default() },
             scores: NodeScores::None,
-            network: IamnConfig { select, ..IamnConfig::default() },
+            network: IamnConfig { select, exclusion_m: 0.0, ..IamnConfig::default() },
         }
     }
 }
@@ -95,7 +99,7 @@ pub struct ListReport {
     pub training_error: f64,
 }
 
-/// A decision list for the nodes, and its log-probabilities of the training cells.
+/// A decision list for the nodes, and its log-confidences of the training cells.
 struct ListScores {
     list: DecisionList,
     report: ListReport,
@@ -182,23 +186,21 @@ fn list_scores(
     Ok(ListScores { list, report, scores })
 }
 
-/// ln p of all examples, each by the classifiers that did not see its fold; where there are none, by the list itself.
+/// Log-confidences of all examples, each by the classifiers that did not see its fold; where there are none, by the list itself.
 fn cross_fitted(data: &Dataset, list: &DecisionList, validated: Option<&CrossValidated>) -> Vec<f32> {
-    let n_labels = list.order.len();
+    let per_example = 2 * list.order.len();
     let n_folds = validated.map_or(0, |validated| validated.classifiers.len());
-    let mut scores = vec![0.0; data.examples.len() * n_labels];
+    let mut scores = vec![0.0; data.examples.len() * per_example];
     for fold in 0..n_folds.max(1) {
         let of_fold = validated.map_or(&[][..], |validated| &validated.classifiers[fold]);
         let classifiers = if of_fold.is_empty() { &list.classifiers } else { of_fold };
-        let unseen = DecisionList { classifiers: classifiers.to_vec(), ..list.clone() };
         let rows: Vec<u32> = (0..data.examples.len() as u32)
             .filter(|&row| n_folds == 0 || usize::from(data.examples[row as usize].fold) == fold)
             .collect();
-        let of_rows =
-            unseen.classify(&table_scores(&data.table, &rows, &CompiledClassifiers::new(classifiers)));
-        let log_probabilities = log_probabilities(&of_rows);
-        for (&row, p) in rows.iter().zip(log_probabilities.chunks_exact(n_labels)) {
-            scores[row as usize * n_labels..][..n_labels].copy_from_slice(p);
+        let of_rows = table_scores(&data.table, &rows, &CompiledClassifiers::new(classifiers));
+        let of_rows = log_confidences(&of_rows, list.temperature);
+        for (&row, of_row) in rows.iter().zip(of_rows.chunks_exact(per_example)) {
+            scores[row as usize * per_example..][..per_example].copy_from_slice(of_row);
         }
     }
     scores
@@ -227,6 +229,11 @@ fn training_record(
             "exclusion_m": exclusion_m,
             "n_blocks": n_blocks,
             "max_exemplars_per_class": max_exemplars_per_class,
+            "loss": match learn.loss {
+                Loss::Hamming => "hamming",
+                Loss::Balanced => "balanced",
+                Loss::Root => "root",
+            },
             "tolerance": learn.tolerance,
         }),
     }
