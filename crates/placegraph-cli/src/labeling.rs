@@ -62,6 +62,7 @@ impl<'a> Setup<'a> {
             args.maps.len()
         );
         let model = NamedModel::load(args.model.as_deref())?;
+        model.check_method(args.method)?;
         let previous = args.previous.as_deref().map(document::read).transpose()?;
         let edits = args.edits.as_deref().map(read_edits).transpose()?.unwrap_or_default();
         let masks = Masks::load(args.masks.as_deref())?;

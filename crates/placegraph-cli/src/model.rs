@@ -2,9 +2,11 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use placegraph::export::ModelInfo;
 use placegraph::model::Model;
+
+use crate::args::MethodArg;
 
 /// Trained on generated buildings: `docs/default-model.md`.
 const EMBEDDED: &[u8] = include_bytes!("../assets/default.model.json");
@@ -29,6 +31,18 @@ impl NamedModel {
         let model = Model::from_json(&bytes).with_context(|| format!("in {}", path.display()))?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(Self { model, name })
+    }
+
+    /// Refuses a model of another method than the one asked for.
+    pub(crate) fn check_method(&self, asked: Option<MethodArg>) -> Result<()> {
+        let name = match asked {
+            None => return Ok(()),
+            Some(MethodArg::Boosted) => "boosted",
+            Some(MethodArg::Iamn) => "iamn",
+        };
+        let found = self.model.method.name();
+        ensure!(name == found, "expected a model of the method {name}, found {found} in {}", self.name);
+        Ok(())
     }
 
     /// What results say of the model.

@@ -125,6 +125,46 @@ fn a_model_trained_here_labels_and_is_judged() {
 }
 
 #[test]
+fn a_network_trained_here_labels_and_its_method_is_checked() {
+    let out = TempDir::new().unwrap();
+    let model = out.path().join("network.model.json");
+    let home = shipped("home");
+    let (map, labels) = (home.join("map.yaml"), home.join("labels.png"));
+    let train: [&dyn AsRef<std::ffi::OsStr>; 15] = [
+        &"train",
+        &"--crop",
+        &"0,0,110,105",
+        &"--map",
+        &map,
+        &"--labels",
+        &labels,
+        &"-o",
+        &model,
+        &"--method",
+        &"iamn",
+        &"--rounds",
+        &"20",
+        &"--max-cells-per-class",
+        &"400",
+    ];
+    let report = done(&train);
+    assert!(report.contains("orders of the decision list") && report.contains("taken: M"), "{report}");
+    let folder = out.path().join("out");
+    done(&[&"map", &map, &"--model", &model, &"--method", &"iamn", &"--out", &folder]);
+    let crop: [&dyn AsRef<std::ffi::OsStr>; 3] = [&"--crop", &"0,0,110,105", &"--json"];
+    let labeled = folder.join("labels.png");
+    let judged: [&dyn AsRef<std::ffi::OsStr>; 3] = [&"evaluate", &labeled, &labels];
+    let score = done(&[&judged[..], &crop].concat());
+    let score: serde_json::Value = serde_json::from_str(&score).expect("JSON");
+    let accuracy = score["cells"]["accuracy"].as_f64().expect("an accuracy");
+    assert!(accuracy > 0.8, "trained on this very part, found {accuracy}");
+    let other: [&dyn AsRef<std::ffi::OsStr>; 8] =
+        [&"map", &map, &"--model", &model, &"--method", &"boosted", &"--out", &folder];
+    refused(&other, &["method boosted", "iamn", "network.model.json"]);
+    refused(&[&train[..], &[&"--scales", &"1,1.2"]].concat(), &["1 alone", "scales"]);
+}
+
+#[test]
 fn a_scan_is_numbers_and_a_picture() {
     let out = TempDir::new().unwrap();
     let picture = out.path().join("scan.png");

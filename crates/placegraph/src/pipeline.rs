@@ -1,13 +1,11 @@
 //! The chapter as one function: a map and a model in, labels, regions and the topological map out.
 
-use crate::boost::{CompiledClassifiers, cell_scores};
 use crate::doorways::{self, DoorwayConfig};
 use crate::grid::{CellGraph, GridShape, OccupancyGrid};
 use crate::labels::{LabelField, Labeling};
-use crate::model::{Method, Model};
+use crate::model::{Labeled, Model};
 use crate::progress::{Progress, Stage};
 use crate::regions::{DiagonalSteps, RegionMap, connected, correct};
-use crate::relax::relax;
 use crate::spaces::{self, SpaceConfig};
 use crate::topology::edits::{self, Edit, Edited, NotApplied};
 use crate::topology::identity::{CarriedOver, Change, carry_over};
@@ -53,7 +51,7 @@ pub enum Correction {
 pub struct Analysis {
     /// The map's free cells.
     pub graph: CellGraph,
-    /// Distribution of every node by its own scan (Sect. 4.3).
+    /// Distribution of every node by its own scan (Sect. 4.3 or 4.6.1).
     pub classified: LabelField,
     /// The same after the neighbors were heard (Sect. 4.5 or 4.6).
     pub smoothed: LabelField,
@@ -76,19 +74,10 @@ pub struct Analysis {
 /// Same map and model, same bits, on any number of threads. Cost: linear in the free cells.
 pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &dyn Progress) -> Analysis {
     let graph = CellGraph::new(&map.cells);
-    let Method::Boosted(boosted) = &model.method;
-
-    progress.begin(Stage::Classify);
-    let classifiers = CompiledClassifiers::new(&boosted.list.classifiers);
-    let scores = cell_scores(map, graph.cells(), &classifiers, &model.scan, progress);
-    let classified = boosted.list.classify(&scores);
-
-    progress.begin(Stage::Smooth);
-    let smoothed = relax(&graph, &classified, &boosted.compatibility, &boosted.relaxation).field;
+    let Labeled { classified, smoothed, mut labeling } = model.label(map, &graph, progress);
 
     progress.begin(Stage::Correct);
     let resolution_m = map.frame.resolution_m();
-    let mut labeling = smoothed.most_likely();
     if config.doorways == Doorways::Mark {
         let (label_set, config) = (&model.label_set, DoorwayConfig::default());
         labeling = doorways::mark(&graph, resolution_m, &smoothed, &labeling, label_set, &config);

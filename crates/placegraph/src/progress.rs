@@ -20,6 +20,10 @@ pub enum Stage {
     Boost,
     /// Training: cross-validation of order, rounds and temperature.
     Validate,
+    /// Training: features of the network are selected and distances to the exemplars computed.
+    Select,
+    /// Training: the network is validated and its weights learned.
+    Learn,
 }
 
 impl Stage {
@@ -33,6 +37,8 @@ impl Stage {
             Self::Features => "features",
             Self::Boost => "boost",
             Self::Validate => "validate",
+            Self::Select => "select",
+            Self::Learn => "learn",
         }
     }
 }

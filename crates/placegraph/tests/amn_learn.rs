@@ -23,6 +23,7 @@ fn objective_by_quadratic_program(example: &Example<'_>, n_labels: usize, cost: 
     let loss_at = |label: Label| match loss {
         Loss::Hamming => 1.0,
         Loss::Balanced => n / (n_labels as f64 * class_size(label)),
+        Loss::Root => (n / (n_labels as f64 * class_size(label))).sqrt(),
     };
     // Clarabel wants A x + s = b, s ≥ 0.
     let (mut rows, mut right): (Vec<Vec<f64>>, Vec<f64>) = (Vec::new(), Vec::new());
@@ -69,7 +70,7 @@ fn objective_equals_that_of_a_quadratic_program() {
         let (width, height) = if n_labels == 2 { (4, 2) } else { (3, 2) };
         let (graph, features, labels) = striped_map(width, height, n_labels, seed);
         let example = Example { graph: &graph, features: &features, labels: &labels };
-        for loss in [Loss::Hamming, Loss::Balanced] {
+        for loss in [Loss::Hamming, Loss::Balanced, Loss::Root] {
             let config = LearnConfig { loss, tolerance: 1e-7, ..LearnConfig::default() };
             let mut learner = Learner::new(&[example], n_labels, &config);
             for cost in [0.1, 1.0, 10.0, 100.0] {

@@ -1,13 +1,16 @@
 //! The model file: the same bits after a round trip, and nothing read that is not exactly a model.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use placegraph::amn::{IamnModel, Standardization, model::Weights};
 use placegraph::boost::{
     CompiledClassifiers, DecisionList, DecisionStump, Polarity, Scores, StrongClassifier, WeightedStump,
     table_scores,
 };
 use placegraph::features::{self, FeatureTable};
-use placegraph::labels::{Label, LabelSet};
-use placegraph::model::{BoostedModel, Method, Model, ModelError, TrainingRecord};
+use placegraph::grid::{CellGraph, Connectivity, OccupancyGrid};
+use placegraph::labels::{Label, LabelField, LabelSet};
+use placegraph::model::{BoostedModel, Method, Model, ModelError, NetworkModel, TrainingRecord};
+use placegraph::progress::Silent;
 use placegraph::regions::Thresholds;
 use placegraph::relax::{Compatibility, RelaxConfig};
 use placegraph::scan::ScanConfig;
@@ -54,7 +57,7 @@ fn model(n_stumps: usize) -> Model {
 
 fn classify(model: &Model) -> Vec<f32> {
     let Method::Boosted(boosted) = &model.method else { panic!("a boosted model") };
-    let columns = boosted.columns();
+    let columns = boosted.list.columns();
     let values = (0..columns.len() * 50).map(|i| (i as f32 * 0.71).sin() * 20.0).collect();
     let table = FeatureTable::from_columns(columns, 50, values);
     let rows: Vec<u32> = (0..50).collect();
@@ -86,9 +89,54 @@ fn three_times_400_stumps_take_less_than_100_kb() {
     assert!(n < 100_000, "{n}");
 }
 
+/// A network with five exemplars of two features, alone or on top of the list of [`model`].
+fn network(n_stumps: Option<usize>) -> Model {
+    let boosted = model(n_stumps.unwrap_or(1));
+    let Method::Boosted(BoostedModel { list, .. }) = boosted.method else { panic!("a boosted model") };
+    let list = n_stumps.map(|_| list);
+    let n_features = 3 + if list.is_some() { 6 } else { 0 };
+    let number = |i: usize| ((i + 1) as f64).sqrt() / 3.0 - 1.0;
+    let network = IamnModel {
+        standardization: Standardization {
+            features: vec![features::all()[9], features::all()[2]],
+            mean: vec![0.1, -7.3],
+            deviation: vec![1.7, 0.3],
+        },
+        n_neighbors: 1,
+        exemplars: (0..10).map(|i| number(i) as f32).collect(),
+        exemplar_labels: [0, 0, 1, 2, 2].map(Label).to_vec(),
+        weights: Weights { node: (0..3 * (n_features + 1)).map(number).collect(), edge: vec![0.3, 0.2, 0.0] },
+        connectivity: Connectivity::Eight,
+        temperature: 1.3,
+    };
+    Model { method: Method::Iamn(NetworkModel { list, network }), ..boosted }
+}
+
+#[test]
+fn a_saved_network_labels_with_the_same_bits() {
+    let map = OccupancyGrid::from_ascii(0.5, "########\n#...#..#\n#......#\n#...#..#\n########");
+    let graph = CellGraph::new(&map.cells);
+    for saved in [network(None), network(Some(5))] {
+        let bytes = saved.to_json();
+        let read = Model::from_json(&bytes).unwrap();
+        assert_eq!(read, saved);
+        assert_eq!(read.to_json(), bytes);
+        let bits = |model: &Model| {
+            let found = model.label(&map, &graph, &Silent);
+            let bits = |field: &LabelField| field.values().iter().map(|p| p.to_bits()).collect::<Vec<_>>();
+            (bits(&found.classified), bits(&found.smoothed), found.labeling)
+        };
+        assert_eq!(bits(&read), bits(&saved));
+    }
+}
+
 /// The error that reading gives after `path` in the file was set to `value`.
 fn spoiled(path: &str, value: Value) -> ModelError {
-    let mut file: Value = serde_json::from_slice(&model(3).to_json()).unwrap();
+    spoil(&model(3), path, value)
+}
+
+fn spoil(model: &Model, path: &str, value: Value) -> ModelError {
+    let mut file: Value = serde_json::from_slice(&model.to_json()).unwrap();
     *file.pointer_mut(path).unwrap_or_else(|| panic!("{path} in the file")) = value;
     Model::from_json(file.to_string().as_bytes()).unwrap_err()
 }
@@ -132,6 +180,43 @@ fn what_is_not_exactly_a_model_is_refused() {
 }
 
 #[test]
+fn what_is_not_exactly_a_network_is_refused() {
+    use ModelError as E;
+    let refused = |field: &str, value: Value, words: &str| {
+        let error = spoil(&network(None), &format!("/method/iamn/network/{field}"), value);
+        assert!(error.to_string().contains(words), "{field}: {error}");
+    };
+    let name = &features::all()[9].feature().name;
+    refused("features/1", json!(name), "each once in features");
+    refused("features/1", json!("A99"), "found \"A99\"");
+    refused("features", json!([]), "at least one");
+    refused("n_neighbors", json!(0), "1 to 1000");
+    refused("n_neighbors", json!(2), "values in weights.node");
+    refused("n_adjacent", json!(6), "4 or 8");
+    refused("temperature", json!(0.0), "above 0 in temperature");
+    refused("mean", json!([0.0]), "expected 2 values in mean, found 1");
+    refused("deviation/0", json!(0.0), "above 0 in deviation");
+    refused("weights/edge/0", json!(-0.1), "from 0 in weights.edge");
+    refused("weights/edge", json!([0.1]), "expected 3 values in weights.edge, found 1");
+    refused("weights/node", json!([0.1]), "expected 12 values in weights.node, found 1");
+    refused("exemplars/0", json!("*"), "base64 of finite");
+    refused("exemplars/0", json!("AAAA"), "base64 of finite");
+    // Two infinite numbers; then one number where rows have two.
+    refused("exemplars/0", json!("AACAfwAAgH8="), "base64 of finite");
+    refused("exemplars/0", json!("AACAPw=="), "expected 2 values in exemplars, found 1");
+    refused("exemplars", json!([""]), "2 to 8 classes");
+
+    let list = "/method/iamn/list";
+    assert!(matches!(spoil(&network(Some(2)), list, json!(null)), E::Count { expected: 0, found: 6, .. }));
+    let error = spoil(&network(Some(2)), &format!("{list}/temperature"), json!(0.0));
+    assert!(matches!(error, E::Value { field: "temperature", .. }));
+    let error = spoil(&network(Some(2)), &format!("{list}/order/0"), json!("kitchen"));
+    assert!(matches!(error, E::Class { .. }));
+    let two = json!([{ "name": "a", "role": "place", "color": [1, 2, 3] }, { "name": "b", "role": "passage", "color": [3, 2, 1] }]);
+    assert!(matches!(spoil(&network(None), "/label_set", two), E::Count { expected: 2, found: 3, .. }));
+}
+
+#[test]
 fn unknown_fields_and_broken_bytes_are_refused() {
     let text = String::from_utf8(model(3).to_json()).unwrap();
     let extra = text.replacen("\"scan\"", "\"more\":1,\"scan\"", 1);
@@ -153,13 +238,14 @@ proptest! {
     /// Any change of bytes is read as a model or refused, and what is read can be written.
     #[test]
     fn damaged_files_never_panic(at in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4)) {
-        let mut bytes = model(3).to_json();
-        for (index, byte) in at {
-            let index = index.index(bytes.len());
-            bytes[index] = byte;
-        }
-        if let Ok(read) = Model::from_json(&bytes) {
-            prop_assert_eq!(Model::from_json(&read.to_json()).unwrap(), read);
+        for mut bytes in [model(3).to_json(), network(None).to_json(), network(Some(2)).to_json()] {
+            for &(index, byte) in &at {
+                let index = index.index(bytes.len());
+                bytes[index] = byte;
+            }
+            if let Ok(read) = Model::from_json(&bytes) {
+                prop_assert_eq!(Model::from_json(&read.to_json()).unwrap(), read);
+            }
         }
     }
 }

@@ -1,12 +1,17 @@
 //! Training on a drawn building.
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
+use placegraph::amn::IamnConfig;
 use placegraph::boost::{CompiledClassifiers, cell_scores};
-use placegraph::grid::{Cell, CellGraph, Grid, OccupancyGrid};
+use placegraph::geom::Pose2;
+use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, OccupancyGrid};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::model::{Method, Model};
 use placegraph::progress::Silent;
-use placegraph::training::{Choice, Dataset, LabeledMap, TrainConfig, TrainError, Window, train};
+use placegraph::training::{
+    Choice, Dataset, LabeledMap, NetworkConfig, NodeScores, TrainConfig, TrainError, Window, train,
+    train_network,
+};
 
 /// Rooms above and below a corridor, doorways between: c, r and d, at 25 cm.
 const BUILDING: &str = "
@@ -164,4 +169,59 @@ fn labels_that_cannot_be_learned_are_refused() {
     assert_eq!(error(&[no_doorway], &config()), TrainError::ClassAbsent { class: "doorway".into() });
     let scales = TrainConfig { scales: vec![], ..config() };
     assert!(matches!(error(&[building()], &scales), TrainError::Setting { field: "scales", .. }));
+}
+
+/// Few rounds, neighbors and costs, and blocks that fit the building.
+fn network_config(scores: NodeScores) -> NetworkConfig {
+    let network = IamnConfig { n_neighbors: vec![1], costs: vec![10.0, 100.0], ..IamnConfig::default() };
+    NetworkConfig { base: config(), scores, network }
+}
+
+#[test]
+fn networks_with_and_without_a_list_learn_a_building() {
+    let map = building();
+    for scores in [NodeScores::List, NodeScores::None] {
+        let maps = std::slice::from_ref(&map);
+        let trained = train_network(maps, &LabelSet::default(), &network_config(scores), &Silent).unwrap();
+        let Method::Iamn(network) = &trained.model.method else { panic!("a network") };
+        assert_eq!(network.list.is_some(), scores == NodeScores::List);
+        assert_eq!(trained.report.n_cells, [160, 407, 24]);
+        let record = trained.model.record.network.as_ref().unwrap();
+        assert_eq!((record.choices.len(), record.n_neighbors), (2, 1));
+        assert!(record.choices.iter().all(|choice| (0.8..=1.0).contains(&choice.accuracy)));
+        assert_eq!(Model::from_json(&trained.model.to_json()).unwrap(), trained.model);
+
+        let graph = CellGraph::new(&map.grid.cells);
+        let found = trained.model.label(&map.grid, &graph, &Silent);
+        assert_eq!(found.smoothed.most_likely(), found.labeling);
+        let labels = graph.cells().iter().map(|&cell| map.labels[cell]);
+        let right = labels.zip(&found.labeling).filter(|(label, found)| *label == Some(**found)).count();
+        assert!(right as f64 > 0.97 * found.labeling.len() as f64, "{scores:?}: {right}");
+    }
+}
+
+#[test]
+fn a_network_is_the_same_on_any_number_of_threads() {
+    let map = building();
+    let bytes = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let config = network_config(NodeScores::List);
+        let train = || train_network(std::slice::from_ref(&map), &LabelSet::default(), &config, &Silent);
+        pool.install(train).unwrap().model.to_json()
+    };
+    assert_eq!(bytes(1), bytes(4));
+}
+
+#[test]
+fn a_network_wants_one_scale_and_one_resolution() {
+    let refused = |maps: &[LabeledMap], config: &NetworkConfig| {
+        train_network(maps, &LabelSet::default(), config, &Silent).unwrap_err()
+    };
+    let mut config = network_config(NodeScores::None);
+    let mut finer = building();
+    finer.grid.frame = MapFrame::new(0.1, Pose2::default()).unwrap();
+    assert_eq!(refused(&[building(), finer], &config), TrainError::Resolution { map: "drawn".into() });
+    config.base.scales = vec![1.0, 1.2];
+    assert!(matches!(refused(&[building()], &config), TrainError::Setting { field: "scales", .. }));
+    assert_eq!(refused(&[], &network_config(NodeScores::None)), TrainError::NoLabels);
 }

@@ -92,6 +92,9 @@ pub(crate) struct MapArgs {
     /// Model to label with [default: the one inside the program]
     #[arg(long, value_name = "FILE")]
     pub(crate) model: Option<PathBuf>,
+    /// Refuse a model of another method
+    #[arg(long, value_enum)]
+    pub(crate) method: Option<MethodArg>,
     /// Also write the labels after classification and after smoothing
     #[arg(long)]
     pub(crate) stages: bool,
@@ -154,6 +157,14 @@ pub(crate) enum Format {
     Report,
 }
 
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum MethodArg {
+    /// Boosted decision list, then relaxation
+    Boosted,
+    /// Instance-based associative Markov network
+    Iamn,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct InfoArgs {
     /// The map
@@ -183,7 +194,10 @@ pub(crate) struct TrainArgs {
     /// Where to write the model
     #[arg(short, long, value_name = "MODEL")]
     pub(crate) output: PathBuf,
-    /// The chapter's own setting: 100 rounds, temperature 1, one scale
+    /// How cells shall be labeled
+    #[arg(long, value_enum, default_value_t = MethodArg::Boosted)]
+    pub(crate) method: MethodArg,
+    /// The chapter's own setting: 100 rounds, temperature 1, one scale; of the network: distances alone
     #[arg(long, conflicts_with_all = ["rounds", "temperature", "scales"])]
     pub(crate) chapter: bool,
     /// Boosting rounds [default: chosen by cross-validation]

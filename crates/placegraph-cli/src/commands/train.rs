@@ -7,10 +7,13 @@ use anyhow::{Context, Result, bail};
 use placegraph::grid::{Cell, OccupancyGrid};
 use placegraph::import::{self, LabelCell, LabelCoding};
 use placegraph::labels::LabelSet;
-use placegraph::training::{Choice, LabeledMap, TrainConfig, Trained, TrainingReport, Window, train};
+use placegraph::training::{
+    Choice, LabeledMap, ListReport, NetworkConfig, NetworkReport, TrainConfig, Trained, TrainedNetwork,
+    TrainingReport, Validation, Window, train, train_network,
+};
 
 use super::Outcome;
-use crate::args::{CropArg, TrainArgs};
+use crate::args::{CropArg, MethodArg, TrainArgs};
 use crate::manifest::{Manifest, MapEntry, Paint};
 use crate::output::{complain, print, print_json, write_file};
 use crate::progress::Watch;
@@ -23,20 +26,30 @@ const BEST_FEATURES: usize = 12;
 pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
     let (entries, label_set, coding) = what_to_train_on(args)?;
     let maps = entries.iter().map(|entry| labeled_map(entry, &coding, args)).collect::<Result<Vec<_>>>()?;
-    let config = config(args);
     let watch = Watch::start("training");
-    let trained = train(&maps, &label_set, &config, &watch)?;
+    let (model, report) = match args.method {
+        MethodArg::Boosted => {
+            let trained = train(&maps, &label_set, &config(args), &watch)?;
+            let report = report(&trained, &label_set);
+            (trained.model, report)
+        }
+        MethodArg::Iamn => {
+            let trained = train_network(&maps, &label_set, &network_config(args), &watch)?;
+            let report = network_report(&trained, &label_set);
+            (trained.model, report)
+        }
+    };
     let timings = watch.finish();
-    write_file(&args.output, &trained.model.to_json())?;
+    write_file(&args.output, &model.to_json())?;
     if verbose {
         for (stage, time) in timings {
             complain(&format!("{:<10} {:>8.1} ms", stage.name(), time.as_secs_f64() * 1e3));
         }
     }
     if args.json {
-        print_json(&trained.model.record)?;
+        print_json(&model.record)?;
     } else {
-        print(&report(&trained, &label_set))?;
+        print(&report)?;
     }
     Ok(Outcome::Done)
 }
@@ -100,7 +113,16 @@ fn window([x0, y0, x1, y1]: [u32; 4], map: &OccupancyGrid) -> Result<Window> {
 }
 
 fn config(args: &TrainArgs) -> TrainConfig {
-    let mut config = if args.chapter { TrainConfig::chapter() } else { TrainConfig::default() };
+    let config = if args.chapter { TrainConfig::chapter() } else { TrainConfig::default() };
+    with_arguments(config, args)
+}
+
+fn network_config(args: &TrainArgs) -> NetworkConfig {
+    let config = if args.chapter { NetworkConfig::chapter() } else { NetworkConfig::default() };
+    NetworkConfig { base: with_arguments(config.base, args), ..config }
+}
+
+fn with_arguments(mut config: TrainConfig, args: &TrainArgs) -> TrainConfig {
     if let Some(rounds) = args.rounds {
         config.rounds = Choice::Set(rounds);
     }
@@ -110,7 +132,7 @@ fn config(args: &TrainArgs) -> TrainConfig {
     if let Some(scales) = &args.scales {
         config.scales.clone_from(scales);
     }
-    config.max_cells_per_class = args.max_cells_per_class;
+    config.max_cells_per_class = args.max_cells_per_class.or(config.max_cells_per_class);
     config
 }
 
@@ -123,23 +145,7 @@ fn report(trained: &Trained, label_set: &LabelSet) -> String {
     let _ = writeln!(text, "examples: {}", examples.join(", "));
     let _ = writeln!(text, "wrong on the training cells: {:.2} %", training_error * 100.0);
     if let Some(validation) = validation {
-        let _ = writeln!(
-            text,
-            "held out in {} parts: {} rounds, temperature {}, mean -ln p {:.4}",
-            validation.n_folds, validation.n_rounds, validation.temperature, validation.log_loss
-        );
-        let _ = writeln!(text, "orders of the decision list, on held-out cells:");
-        for order in &validation.orders {
-            let names: Vec<&str> =
-                order.order.iter().map(|&label| label_set.class(label).name.as_str()).collect();
-            let _ = writeln!(
-                text,
-                "  {:6.2} %  macro-F1 {:.3}  {}",
-                order.accuracy * 100.0,
-                order.macro_f1,
-                names.join("-")
-            );
-        }
+        text += &orders(validation, label_set);
     }
     let _ = writeln!(text, "features that say most (sum of alpha per class):");
     for vote in votes.iter().take(BEST_FEATURES) {
@@ -147,6 +153,58 @@ fn report(trained: &Trained, label_set: &LabelSet) -> String {
             classes().zip(&vote.alpha).map(|(name, alpha)| format!("{name} {alpha:.2}")).collect();
         let _ = writeln!(text, "  {:<8} {}", vote.feature.feature().name, alphas.join("  "));
     }
+    text
+}
+
+fn orders(validation: &Validation, label_set: &LabelSet) -> String {
+    let mut text = String::new();
+    let _ = writeln!(
+        text,
+        "held out in {} parts: {} rounds, temperature {}, mean -ln p {:.4}",
+        validation.n_folds, validation.n_rounds, validation.temperature, validation.log_loss
+    );
+    let _ = writeln!(text, "orders of the decision list, on held-out cells:");
+    for order in &validation.orders {
+        let names: Vec<&str> =
+            order.order.iter().map(|&label| label_set.class(label).name.as_str()).collect();
+        let _ = writeln!(
+            text,
+            "  {:6.2} %  macro-F1 {:.3}  {}",
+            order.accuracy * 100.0,
+            order.macro_f1,
+            names.join("-")
+        );
+    }
+    text
+}
+
+fn network_report(trained: &TrainedNetwork, label_set: &LabelSet) -> String {
+    let NetworkReport { n_cells, list, network } = &trained.report;
+    let mut text = String::new();
+    let cells: Vec<String> =
+        label_set.classes().iter().zip(n_cells).map(|(class, n)| format!("{n} {}", class.name)).collect();
+    let _ = writeln!(text, "cells: {}", cells.join(", "));
+    if let Some(ListReport { validation: Some(validation), .. }) = list {
+        text += &orders(validation, label_set);
+    }
+    let _ = writeln!(text, "network, on held-out blocks:");
+    let tried = trained.model.record.network.clone().unwrap_or_default();
+    for choice in &tried.choices {
+        let _ = writeln!(
+            text,
+            "  {:6.2} %  macro-F1 {:.3}  M {}, C {}",
+            choice.accuracy * 100.0,
+            choice.macro_f1,
+            choice.n_neighbors,
+            choice.cost
+        );
+    }
+    let _ = writeln!(text, "taken: M {}, C {}", tried.n_neighbors, tried.cost);
+    let _ =
+        writeln!(text, "wrong on the training cells: {:.2} %", trained.model.record.training_error * 100.0);
+    let features: Vec<&str> =
+        network.selection.chosen.iter().map(|chosen| chosen.feature.feature().name.as_str()).collect();
+    let _ = writeln!(text, "features that distances are computed from: {}", features.join(" "));
     text
 }
 

@@ -29,11 +29,12 @@ pub struct IamnModel {
     pub standardization: Standardization,
     /// M of Eq. (4.11): how many neighbors per class.
     pub n_neighbors: usize,
-    /// Standardized features of the stored cells, one row per exemplar.
+    /// Standardized features of the stored cells, one row per exemplar, class after class.
     pub exemplars: Vec<f32>,
-    /// Class of every exemplar.
+    /// Class of every exemplar, ascending.
     pub exemplar_labels: Vec<Label>,
-    /// Weights of Eq. (4.9); the node features are the K · M distances.
+    /// Weights of Eq. (4.9); the node features are the K · M distances, then the scores of another classifier if there
+    /// is one.
     pub weights: Weights,
     /// Which cells share an edge.
     pub connectivity: Connectivity,
@@ -99,6 +100,11 @@ fn column(table: &FeatureTable, feature: FeatureId) -> &[f32] {
 }
 
 impl IamnModel {
+    /// How many scores of another classifier a node has besides its distances.
+    pub fn n_scores(&self) -> usize {
+        self.weights.n_features() - self.weights.n_labels() * self.n_neighbors
+    }
+
     /// τ of every row of `table`, Eq. (4.11): K · M distances, class by class, ascending.
     ///
     /// # Panics
@@ -117,19 +123,42 @@ impl IamnModel {
     }
 }
 
-/// Labels the cells of `graph`, whose features are the rows of `table`, and tells how sure each label is.
-///
-/// The labeling maximizes Eq. (4.9). The field is the distribution of every cell's label given the labels found around
-/// it, p_i(k) ∝ exp((θ_i(k) + Σ_j λ(k) [y_j = k]) / T), with T fitted to held-out parts of the training maps. It is
-/// conditional, so it knows no doubt about a whole wrong region; its most probable label is the labeling's, save for
-/// ties.
+/// Distances and scores of every node side by side: the node features of Eq. (4.9). `distances` has `n_distances`
+/// numbers per node, `scores` may be empty.
+pub fn side_by_side(distances: Vec<f32>, n_distances: usize, scores: &[f32]) -> Vec<f32> {
+    if scores.is_empty() {
+        return distances;
+    }
+    let n_scores = scores.len() * n_distances / distances.len();
+    let rows = distances.chunks_exact(n_distances).zip(scores.chunks_exact(n_scores));
+    rows.flat_map(|(distances, scores)| distances.iter().chain(scores)).copied().collect()
+}
+
+/// What a network says of the nodes of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Labeled {
+    /// The labeling that maximizes Eq. (4.9).
+    pub labeling: Labeling,
+    /// Distribution of every node's label by its own potentials, p_i(k) ∝ exp(θ_i(k) / T).
+    pub alone: LabelField,
+    /// Distribution of every node's label given the labels found around it, p_i(k) ∝ exp((θ_i(k) + Σ_j λ(k) [y_j = k])
+    /// / T), with T fitted to held-out parts of the training maps. It is conditional, so it knows no doubt about a whole
+    /// wrong region; its most probable label is the labeling's, save for ties.
+    pub field: LabelField,
+}
+
+/// Labels the nodes of `graph`, whose node features are the rows of `features`, and tells how sure each label is.
 ///
 /// # Panics
-/// If rows and nodes differ in number, or the table lacks a feature of the model.
-pub fn label(graph: &CellGraph, table: &FeatureTable, model: &IamnModel) -> (Labeling, LabelField) {
-    let potentials = model.weights.potentials(&model.transform(table), model.connectivity);
-    let labeling = infer::expand(graph, &potentials, &potentials.best_alone());
+/// If rows and nodes differ in number.
+pub fn label(graph: &CellGraph, features: &[f32], model: &IamnModel) -> Labeled {
+    let n_labels = model.weights.n_labels();
+    let potentials = model.weights.potentials(features, model.connectivity);
+    let labeling = infer::expand_from_all(graph, &potentials);
     let scores = confidence::conditional_scores(graph, &potentials, &labeling);
-    let field = confidence::field(&scores, model.weights.n_labels(), model.temperature);
-    (labeling, field)
+    Labeled {
+        alone: confidence::field(&potentials.node, n_labels, model.temperature),
+        field: confidence::field(&scores, n_labels, model.temperature),
+        labeling,
+    }
 }

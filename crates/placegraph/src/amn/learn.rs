@@ -35,6 +35,8 @@ pub enum Loss {
     Hamming,
     /// Every wrong cell N / (K N_ŷ), so that all classes weigh the same.
     Balanced,
+    /// Every wrong cell √(N / (K N_ŷ)): rare classes weigh more, but not as much as the frequent ones.
+    Root,
 }
 
 /// How the network is trained.
@@ -219,6 +221,7 @@ fn loss_of_class(examples: &[Example<'_>], n_labels: usize, loss: Loss) -> Vec<f
     match loss {
         Loss::Hamming => vec![1.0; n_labels],
         Loss::Balanced => counts.iter().map(balanced).collect(),
+        Loss::Root => counts.iter().map(|n| balanced(n).sqrt()).collect(),
     }
 }
 

@@ -368,3 +368,24 @@ impl<const D: usize> GridCut<D> {
         Some(distance)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cut_of_three_cells_by_hand() {
+        // Source 5 → a 2 ↔ b 3 ↔ c → 4 sink: the edge of 2 is the narrowest.
+        let mut cut = GridCut::<4>::new(3, 2);
+        let [a, b, c, apart] = [(0, 0), (1, 0), (2, 0), (1, 1)].map(|(x, y)| cut.position(Cell::new(x, y)));
+        cut.add_excess(a, 5);
+        cut.add_excess(c, -4);
+        let right = Connectivity::Four.steps().iter().position(|&step| step == (1, 0)).unwrap();
+        cut.set_edge(a, right, 2);
+        cut.set_edge(b, right, 3);
+        assert_eq!(cut.solve(), 2);
+        assert_eq!([a, b, c].map(|cell| cut.is_sink_side(cell)), [false, true, true]);
+        // No terminal reaches the cell below b.
+        assert!(!cut.is_sink_side(apart));
+    }
+}

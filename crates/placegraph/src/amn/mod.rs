@@ -1,5 +1,6 @@
 //! Instance-based associative Markov networks (Sect. 4.6).
 
+mod cells;
 pub mod confidence;
 mod iamn;
 pub mod infer;
@@ -11,6 +12,7 @@ pub mod nearest;
 mod train;
 mod working_set;
 
-pub use iamn::{IamnModel, Standardization, label};
+pub use cells::{LabeledCells, TrainingMap};
+pub use iamn::{IamnModel, Labeled, Standardization, label, side_by_side};
 pub use model_file::IamnFileError;
-pub use train::{IamnConfig, IamnReport, TrainingMap, Validated, train};
+pub use train::{IamnConfig, IamnReport, Validated, train};

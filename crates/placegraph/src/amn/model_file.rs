@@ -127,7 +127,11 @@ impl IamnFile {
         length("mean", self.mean.len(), n_features)?;
         length("deviation", self.deviation.len(), n_features)?;
         length("weights.edge", self.weights.edge.len(), n_labels)?;
-        length("weights.node", self.weights.node.len(), n_labels * (n_labels * self.n_neighbors + 1))?;
+        // A weight per distance, one per score of another classifier, and that of the constant.
+        let at_least = n_labels * (n_labels * self.n_neighbors + 1);
+        if self.weights.node.len() < at_least || !self.weights.node.len().is_multiple_of(n_labels) {
+            length("weights.node", self.weights.node.len(), at_least)?;
+        }
         value(self.mean.iter().all(|v| v.is_finite()), "mean", "finite numbers")?;
         value(self.deviation.iter().all(|&v| v.is_finite() && v > 0.0), "deviation", "numbers above 0")?;
         value(self.weights.node.iter().all(|v| v.is_finite()), "weights.node", "finite numbers")?;

@@ -11,34 +11,24 @@
 
 use rayon::prelude::*;
 
+use super::cells::{LabeledCells, Part, TrainingCells};
 use super::confidence;
-use super::iamn::{IamnModel, Standardization, distance_of_missing};
+use super::iamn::{IamnModel, Standardization};
 use super::infer;
 use super::learn::{Example, LearnConfig, Learned, Learner};
-use super::nearest::Exemplars;
-use crate::features::FeatureTable;
+use super::model::Weights;
 use crate::features::select::{self, SelectConfig, Selection};
-use crate::grid::{CellGraph, Grid, Occupancy};
 use crate::labels::{Label, Labeling};
 use crate::progress::{Progress, Stage};
-
-/// The labeled cells of one map.
-#[derive(Clone, Copy, Debug)]
-pub struct TrainingMap<'a> {
-    /// The cells to learn from; cells without a label, or held out, are no nodes.
-    pub graph: &'a CellGraph,
-    /// Side of a cell of the graph, in meters.
-    pub resolution_m: f64,
-}
 
 /// How an instance-based network is trained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IamnConfig {
     /// Which features are selected.
     pub select: SelectConfig,
-    /// Values of M to try. Default 1 and 3.
+    /// Values of M to try. Default 1 alone.
     pub n_neighbors: Vec<usize>,
-    /// Values of C to try, ascending, for losses per cell. Default 1, 10, 100, 1000.
+    /// Values of C to try, ascending, for losses per cell. Default 10 and 100.
     pub costs: Vec<f64>,
     /// Exemplars closer than this to a training cell, along both axes of its map, do not count for it. Default 1 m.
     pub exclusion_m: f64,
@@ -54,8 +44,8 @@ impl Default for IamnConfig {
     fn default() -> Self {
         Self {
             select: SelectConfig::default(),
-            n_neighbors: vec![1, 3],
-            costs: vec![1.0, 10.0, 100.0, 1000.0],
+            n_neighbors: vec![1],
+            costs: vec![10.0, 100.0],
             exclusion_m: 1.0,
             n_blocks: 4,
             max_exemplars_per_class: 8000,
@@ -71,8 +61,12 @@ pub struct IamnReport {
     pub selection: Selection,
     /// What every M and C reached on held-out blocks.
     pub validation: Vec<Validated>,
+    /// Which of them was taken.
+    pub best: usize,
     /// The weights' objective and how learning ended.
     pub learned: Learned,
+    /// Training cells by true (row) and found (column) label, K × K; near exemplars did not count for them.
+    pub training_confusion: Vec<u64>,
 }
 
 /// What one choice of M and C reached on held-out blocks.
@@ -88,24 +82,23 @@ pub struct Validated {
     pub macro_f1: f64,
 }
 
-/// Trains on `maps`, whose nodes, map after map, are the rows of `table` and of `labels`.
+/// Learns from `cells`.
 ///
 /// # Panics
-/// If rows, labels and nodes differ in number, no map is given, or a list of the configuration is empty.
+/// If rows, labels, scores and nodes differ in number, no map is given, or a list of the configuration is empty.
 pub fn train(
-    maps: &[TrainingMap<'_>],
-    table: &FeatureTable,
-    labels: &[Label],
-    n_labels: usize,
+    cells: &LabeledCells<'_>,
     config: &IamnConfig,
     progress: &dyn Progress,
 ) -> (IamnModel, IamnReport) {
+    progress.begin(Stage::Select);
+    let &LabeledCells { table, labels, n_labels, .. } = cells;
     let selection = select::select(table, labels, &config.select);
     let features: Vec<_> = selection.chosen.iter().map(|chosen| chosen.feature).collect();
     let standardization = Standardization::of(table, &features);
-    let cells = TrainingCells::new(maps, &standardization, table, labels, n_labels, config);
+    let cells = TrainingCells::new(cells, &standardization, config);
 
-    progress.begin(Stage::Validate);
+    progress.begin(Stage::Learn);
     let (validation, held_out) = validate(&cells, config, progress);
     let best = (0..validation.len())
         .fold(0, |best, i| if validation[i].macro_f1 > validation[best].macro_f1 { i } else { best });
@@ -114,6 +107,8 @@ pub fn train(
 
     let whole: Vec<Part<'_>> = cells.parts(n_neighbors, |_| true, |_| true);
     let learned = Learner::new(&examples(&whole), n_labels, &config.learn).fit(cost);
+    let on_training = label_parts(&whole, &learned.weights, config);
+    let training_confusion = confusion(&on_training.labels, &on_training.found, n_labels);
     let model = IamnModel {
         n_neighbors,
         exemplars: cells.exemplar_rows,
@@ -123,7 +118,7 @@ pub fn train(
         temperature,
         standardization,
     };
-    (model, IamnReport { selection, validation, learned })
+    (model, IamnReport { selection, validation, best, learned, training_confusion })
 }
 
 /// What validation found for one M and C, over all held-out blocks.
@@ -179,19 +174,21 @@ fn hold_out(
     let rest = cells.parts(n_neighbors, |b| b != block, |b| b != block);
     let tests = cells.parts(n_neighbors, |b| b == block, |b| b != block);
     let mut learner = Learner::new(&examples(&rest), cells.n_labels, &config.learn);
-    let of_cost = |&cost: &f64| {
-        let weights = learner.fit(cost).weights;
-        let mut held_out = HeldOut::default();
-        for Part { graph, features, labels, .. } in &tests {
-            let potentials = weights.potentials(features, config.learn.connectivity);
-            let found = infer::expand(graph, &potentials, &potentials.best_alone());
-            held_out.scores.extend(confidence::conditional_scores(graph, &potentials, &found));
-            held_out.labels.extend(labels);
-            held_out.found.extend(found);
-        }
-        held_out
-    };
+    let of_cost = |&cost: &f64| label_parts(&tests, &learner.fit(cost).weights, config);
     config.costs.iter().map(of_cost).collect()
+}
+
+/// Labels all `parts`.
+fn label_parts(parts: &[Part<'_>], weights: &Weights, config: &IamnConfig) -> HeldOut {
+    let mut held_out = HeldOut::default();
+    for Part { graph, features, labels, .. } in parts {
+        let potentials = weights.potentials(features, config.learn.connectivity);
+        let found = infer::expand(graph, &potentials, &potentials.best_alone());
+        held_out.scores.extend(confidence::conditional_scores(graph, &potentials, &found));
+        held_out.labels.extend(labels);
+        held_out.found.extend(found);
+    }
+    held_out
 }
 
 fn confusion(labels: &[Label], found: &[Label], n_labels: usize) -> Vec<u64> {
@@ -214,13 +211,6 @@ fn macro_f1(confusion: &[u64], n_labels: usize) -> f64 {
     present.iter().sum::<f64>() / present.len().max(1) as f64
 }
 
-/// A part of a training map with the features of its nodes.
-struct Part<'a> {
-    graph: std::borrow::Cow<'a, CellGraph>,
-    features: Vec<f32>,
-    labels: Labeling,
-}
-
 fn examples<'a>(parts: &'a [Part<'_>]) -> Vec<Example<'a>> {
     parts
         .iter()
@@ -228,155 +218,14 @@ fn examples<'a>(parts: &'a [Part<'_>]) -> Vec<Example<'a>> {
         .collect()
 }
 
-/// The cells of all maps with their distances to the exemplars of every block.
-struct TrainingCells<'a> {
-    maps: &'a [TrainingMap<'a>],
-    labels: &'a [Label],
-    n_labels: usize,
-    n_blocks: usize,
-    n_features: usize,
-    /// Block of every cell.
-    blocks: Vec<usize>,
-    exemplar_rows: Vec<f32>,
-    exemplar_labels: Labeling,
-    /// Per cell, class and block the smallest squared distances.
-    nearest: Vec<f32>,
-    most_neighbors: usize,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-impl<'a> TrainingCells<'a> {
-    fn new(
-        maps: &'a [TrainingMap<'a>],
-        standardization: &Standardization,
-        table: &FeatureTable,
-        labels: &'a [Label],
-        n_labels: usize,
-        config: &IamnConfig,
-    ) -> Self {
-        let rows = standardization.rows(table);
-        let n_features = standardization.features.len();
-        let n_nodes: usize = maps.iter().map(|map| map.graph.n_nodes()).sum();
-        assert!(n_nodes == labels.len() && n_nodes == table.n_rows(), "a row and a label per node");
-        let blocks: Vec<usize> = maps.iter().flat_map(|map| blocks_of(map.graph, config.n_blocks)).collect();
-        let exemplars = thin(labels, n_labels, config.max_exemplars_per_class);
-        let exemplar_rows: Vec<f32> =
-            exemplars.iter().flat_map(|&i| &rows[i * n_features..(i + 1) * n_features]).copied().collect();
-        let groups: Vec<usize> =
-            exemplars.iter().map(|&i| labels[i].index() * config.n_blocks + blocks[i]).collect();
-        let most_neighbors = config.n_neighbors.iter().copied().max().unwrap_or(1);
-        let search = Exemplars::new(n_features, &exemplar_rows, n_labels * config.n_blocks, &groups);
-        let places = places(maps, config.exclusion_m);
-        let is_far = |cell: usize, exemplar: u32| places[cell].is_far(places[exemplars[exemplar as usize]]);
-        Self {
-            nearest: search.nearest(&rows, most_neighbors, is_far),
-            exemplar_labels: exemplars.iter().map(|&i| labels[i]).collect(),
-            maps,
-            labels,
-            n_labels,
-            n_blocks: config.n_blocks,
-            n_features,
-            blocks,
-            exemplar_rows,
-            most_neighbors,
-        }
+    #[test]
+    fn macro_f1_by_hand() {
+        // Class 0: 3 right, 1 missed; class 1: none found; F1 of 6/7 and 0. A class that never occurs does not count.
+        assert!((macro_f1(&[3, 1, 0, 0], 2) - 3.0 / 7.0).abs() < 1e-12);
+        assert!((macro_f1(&[3, 0, 0, 0], 2) - 1.0).abs() < 1e-12);
     }
-
-    /// The cells of the blocks `of`, with distances to the exemplars of the blocks `to`.
-    fn parts(
-        &self,
-        n_neighbors: usize,
-        of: impl Fn(usize) -> bool,
-        to: impl Fn(usize) -> bool,
-    ) -> Vec<Part<'a>> {
-        let mut first = 0;
-        let mut parts = Vec::new();
-        for map in self.maps {
-            let all = first..first + map.graph.n_nodes();
-            first = all.end;
-            let rows: Vec<usize> = all.clone().filter(|&i| of(self.blocks[i])).collect();
-            let graph = if rows.len() == all.len() {
-                std::borrow::Cow::Borrowed(map.graph)
-            } else {
-                std::borrow::Cow::Owned(subgraph(map.graph, rows.iter().map(|&i| i - all.start)))
-            };
-            let features = rows.iter().flat_map(|&i| self.transform(i, n_neighbors, &to)).collect();
-            parts.push(Part { graph, features, labels: rows.iter().map(|&i| self.labels[i]).collect() });
-        }
-        parts
-    }
-
-    /// τ of cell `i`, Eq. (4.11), from the exemplars of the blocks `to`.
-    fn transform(&self, i: usize, n_neighbors: usize, to: &impl Fn(usize) -> bool) -> Vec<f32> {
-        let per_class = self.n_blocks * self.most_neighbors;
-        let row = &self.nearest[i * self.n_labels * per_class..(i + 1) * self.n_labels * per_class];
-        let missing = distance_of_missing(self.n_features);
-        let mut distances = Vec::with_capacity(self.n_labels * n_neighbors);
-        for of_class in row.chunks_exact(per_class) {
-            let blocks = of_class.chunks_exact(self.most_neighbors).enumerate();
-            let mut all: Vec<f32> =
-                blocks.filter(|&(b, _)| to(b)).flat_map(|(_, nearest)| nearest).copied().collect();
-            all.sort_by(f32::total_cmp);
-            let smallest = all.iter().take(n_neighbors);
-            distances.extend(smallest.map(|d| if d.is_finite() { d.sqrt() } else { missing }));
-        }
-        distances
-    }
-}
-
-/// Where a cell is: its map, and its position in units of the exclusion radius.
-#[derive(Clone, Copy)]
-struct Place {
-    map: usize,
-    x: f64,
-    y: f64,
-}
-
-impl Place {
-    fn is_far(self, other: Self) -> bool {
-        self.map != other.map || (self.x - other.x).abs() >= 1.0 || (self.y - other.y).abs() >= 1.0
-    }
-}
-
-fn places(maps: &[TrainingMap<'_>], exclusion_m: f64) -> Vec<Place> {
-    let of_map = |(map, m): (usize, &TrainingMap<'_>)| {
-        // Without a radius the cell itself is still left out.
-        let unit = m.resolution_m / exclusion_m.max(m.resolution_m);
-        let place =
-            move |cell: &crate::grid::Cell| Place { map, x: cell.x as f64 * unit, y: cell.y as f64 * unit };
-        m.graph.cells().iter().map(place).collect::<Vec<_>>()
-    };
-    maps.iter().enumerate().flat_map(of_map).collect()
-}
-
-/// Cuts a map into `n_blocks` runs of columns with about equally many nodes; the block of every node.
-fn blocks_of(graph: &CellGraph, n_blocks: usize) -> Vec<usize> {
-    let mut below = vec![0; graph.width() as usize + 1];
-    for cell in graph.cells() {
-        below[cell.x as usize + 1] += 1;
-    }
-    for x in 1..below.len() {
-        below[x] += below[x - 1];
-    }
-    graph.cells().iter().map(|cell| below[cell.x as usize] * n_blocks / graph.n_nodes()).collect()
-}
-
-/// Of every class at most `most` cells, evenly many in map order; ascending.
-fn thin(labels: &[Label], n_labels: usize, most: usize) -> Vec<usize> {
-    let mut kept = Vec::new();
-    for class in 0..n_labels {
-        let of_class: Vec<usize> = (0..labels.len()).filter(|&i| labels[i].index() == class).collect();
-        let step = of_class.len().div_ceil(most).max(1);
-        kept.extend(of_class.into_iter().step_by(step));
-    }
-    kept.sort_unstable();
-    kept
-}
-
-/// The graph over some nodes of `graph`, in the same order.
-fn subgraph(graph: &CellGraph, nodes: impl Iterator<Item = usize>) -> CellGraph {
-    let mut map = Grid::filled(graph.width(), graph.height(), Occupancy::Unknown);
-    for node in nodes {
-        map[graph.cells()[node]] = Occupancy::Free;
-    }
-    CellGraph::new(&map)
 }

@@ -6,8 +6,9 @@
 
 use rayon::prelude::*;
 
-use super::scores::Scores;
+use super::scores::{CompiledClassifiers, Scores};
 use super::stump::{StrongClassifier, confidence};
+use crate::features::FeatureId;
 use crate::labels::{Label, LabelField, LabelSet};
 
 /// No class gets a smaller probability than this (before its row is scaled to sum 1).
@@ -28,6 +29,11 @@ pub struct DecisionList {
 }
 
 impl DecisionList {
+    /// The features that any stump looks at, in ascending order.
+    pub fn columns(&self) -> Vec<FeatureId> {
+        CompiledClassifiers::new(&self.classifiers).columns().to_vec()
+    }
+
     /// The distribution over the classes for an example with `scores`, one a class.
     pub fn probabilities(&self, scores: &[f32]) -> [f64; LabelSet::MAX] {
         let mut p = [0.0; LabelSet::MAX];

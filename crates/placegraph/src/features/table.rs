@@ -45,6 +45,16 @@ impl FeatureTable {
         &self.values[column * self.n_rows..(column + 1) * self.n_rows]
     }
 
+    /// The same columns of some rows.
+    ///
+    /// # Panics
+    /// If there is no such row.
+    pub fn of_rows(&self, rows: &[u32]) -> Self {
+        let columns = (0..self.columns.len()).map(|c| self.column(c));
+        let values = columns.flat_map(|column| rows.iter().map(|&row| column[row as usize])).collect();
+        Self { columns: self.columns.clone(), n_rows: rows.len(), values }
+    }
+
     /// The values of `feature`, if it is in the table.
     pub fn values_of(&self, feature: FeatureId) -> Option<&[f32]> {
         self.columns.iter().position(|&id| id == feature).map(|column| self.column(column))

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{BoostedModel, Method, Model, TrainingRecord, sha256_hex};
+use super::{BoostedModel, Method, Model, NetworkModel, TrainingRecord, sha256_hex};
+use crate::amn::IamnModel;
 use crate::boost::{DecisionList, DecisionStump, Polarity, StrongClassifier, WeightedStump};
 use crate::features::FeatureId;
 use crate::labels::{Label, LabelSet};
@@ -112,16 +113,34 @@ struct ModelFile {
 #[serde(rename_all = "lowercase")]
 enum MethodFile {
     Boosted(BoostedFile),
+    Iamn(NetworkFile),
 }
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct BoostedFile {
+struct NetworkFile {
+    list: Option<ListFile>,
+    network: IamnModel,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ListFile {
     order: Vec<String>,
     temperature: f64,
     /// Names of the features; stumps give the position.
     features: Vec<String>,
     /// Per class: feature, threshold, polarity, alpha.
+    classifiers: Vec<Vec<(u32, f32, i8, f64)>>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BoostedFile {
+    /// The list's fields stand beside the others; serde cannot flatten them and refuse unknown ones too.
+    order: Vec<String>,
+    temperature: f64,
+    features: Vec<String>,
     classifiers: Vec<Vec<(u32, f32, i8, f64)>>,
     relaxation: RelaxConfig,
     compatibility: Compatibility,
@@ -150,6 +169,7 @@ impl Model {
         positive("resolution_m", file.record.resolution_m)?;
         let method = match file.method {
             MethodFile::Boosted(boosted) => Method::Boosted(boosted.into_model(&file.label_set)?),
+            MethodFile::Iamn(network) => Method::Iamn(network.into_model(&file.label_set)?),
         };
         let (label_set, scan) = (file.label_set, file.scan);
         Ok(Self { label_set, scan, method, thresholds: file.thresholds, record: file.record })
@@ -163,6 +183,10 @@ impl Model {
     pub fn to_json(&self) -> Vec<u8> {
         let method = match &self.method {
             Method::Boosted(boosted) => MethodFile::Boosted(BoostedFile::new(boosted, &self.label_set)),
+            Method::Iamn(NetworkModel { list, network }) => MethodFile::Iamn(NetworkFile {
+                list: list.as_ref().map(|list| ListFile::new(list, &self.label_set)),
+                network: network.clone(),
+            }),
         };
         let file = ModelFile {
             format: FORMAT.to_owned(),
@@ -186,7 +210,35 @@ impl Model {
 
 impl BoostedFile {
     fn new(model: &BoostedModel, label_set: &LabelSet) -> Self {
-        let columns = model.columns();
+        let ListFile { order, temperature, features, classifiers } = ListFile::new(&model.list, label_set);
+        let (relaxation, compatibility) = (model.relaxation, model.compatibility.clone());
+        Self { order, temperature, features, classifiers, relaxation, compatibility }
+    }
+
+    fn into_model(self, label_set: &LabelSet) -> Result<BoostedModel, ModelError> {
+        let Self { order, temperature, features, classifiers, relaxation, compatibility } = self;
+        count("classes in the compatibilities", label_set.len(), compatibility.n_labels())?;
+        range("iterations", "at most 100000", relaxation.iterations <= MAX_ITERATIONS, || {
+            relaxation.iterations.into()
+        })?;
+        let list = ListFile { order, temperature, features, classifiers }.into_list(label_set)?;
+        Ok(BoostedModel { list, relaxation, compatibility })
+    }
+}
+
+impl NetworkFile {
+    fn into_model(self, label_set: &LabelSet) -> Result<NetworkModel, ModelError> {
+        count("classes in the network", label_set.len(), self.network.weights.n_labels())?;
+        let list = self.list.map(|list| list.into_list(label_set)).transpose()?;
+        let n_scores = list.as_ref().map_or(0, |list| 2 * list.order.len());
+        count("scores per node that the network weighs", n_scores, self.network.n_scores())?;
+        Ok(NetworkModel { list, network: self.network })
+    }
+}
+
+impl ListFile {
+    fn new(list: &DecisionList, label_set: &LabelSet) -> Self {
+        let columns = list.columns();
         let stump = |w: &WeightedStump| {
             let column = columns.partition_point(|&id| id < w.stump.feature) as u32;
             let polarity = match w.stump.polarity {
@@ -195,28 +247,21 @@ impl BoostedFile {
             };
             (column, w.stump.threshold, polarity, w.alpha)
         };
-        let list = &model.list;
         Self {
             order: list.order.iter().map(|&label| label_set.class(label).name.clone()).collect(),
             temperature: list.temperature,
             features: columns.iter().map(|id| id.feature().name.clone()).collect(),
             classifiers: list.classifiers.iter().map(|c| c.stumps.iter().map(stump).collect()).collect(),
-            relaxation: model.relaxation,
-            compatibility: model.compatibility.clone(),
         }
     }
 
-    fn into_model(self, label_set: &LabelSet) -> Result<BoostedModel, ModelError> {
+    fn into_list(self, label_set: &LabelSet) -> Result<DecisionList, ModelError> {
         let n_labels = label_set.len();
         count("classes in the list's order", n_labels, self.order.len())?;
         count("classifiers", n_labels, self.classifiers.len())?;
-        count("classes in the compatibilities", n_labels, self.compatibility.n_labels())?;
         unique("classes in the list's order", &self.order)?;
         unique("features", &self.features)?;
         positive("temperature", self.temperature)?;
-        range("iterations", "at most 100000", self.relaxation.iterations <= MAX_ITERATIONS, || {
-            self.relaxation.iterations.into()
-        })?;
         let label = |name: &String| label_set.label(name).ok_or(ModelError::Class { name: name.clone() });
         let order = self.order.iter().map(label).collect::<Result<Vec<Label>, _>>()?;
         let feature =
@@ -228,8 +273,7 @@ impl BoostedFile {
             Ok(StrongClassifier { stumps })
         };
         let classifiers = self.classifiers.iter().map(classifier).collect::<Result<_, ModelError>>()?;
-        let list = DecisionList { order, classifiers, temperature: self.temperature };
-        Ok(BoostedModel { list, relaxation: self.relaxation, compatibility: self.compatibility })
+        Ok(DecisionList { order, classifiers, temperature: self.temperature })
     }
 }
 

@@ -2,10 +2,11 @@
 
 mod file;
 mod hash;
+mod label;
+mod network;
 mod record;
 
 use crate::boost::DecisionList;
-use crate::features::FeatureId;
 use crate::labels::LabelSet;
 use crate::regions::Thresholds;
 use crate::relax::{Compatibility, RelaxConfig};
@@ -13,7 +14,9 @@ use crate::scan::ScanConfig;
 
 pub use file::{FORMAT, MAX_BYTES, ModelError, VERSION};
 pub use hash::sha256_hex;
-pub use record::{MapRecord, OrderRecord, TrainingRecord, ValidationRecord};
+pub use label::Labeled;
+pub use network::{NetworkModel, log_confidences};
+pub use record::{ChoiceRecord, MapRecord, NetworkRecord, OrderRecord, TrainingRecord, ValidationRecord};
 
 /// All that labeling a map needs to know.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,6 +39,18 @@ pub struct Model {
 pub enum Method {
     /// Boosted stumps in a decision list, then relaxation (Sect. 4.3 to 4.5).
     Boosted(BoostedModel),
+    /// Instance-based associative Markov network (Sect. 4.6).
+    Iamn(NetworkModel),
+}
+
+impl Method {
+    /// Name for people and files.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Boosted(_) => "boosted",
+            Self::Iamn(_) => "iamn",
+        }
+    }
 }
 
 /// Boosted stumps in a decision list, and the relaxation that follows.
@@ -47,15 +62,4 @@ pub struct BoostedModel {
     pub relaxation: RelaxConfig,
     /// Which labels go together in neighboring cells of [`TrainingRecord::resolution_m`].
     pub compatibility: Compatibility,
-}
-
-impl BoostedModel {
-    /// The features that any stump looks at, in ascending order.
-    pub fn columns(&self) -> Vec<FeatureId> {
-        let stumps = self.list.classifiers.iter().flat_map(|classifier| &classifier.stumps);
-        let mut columns: Vec<FeatureId> = stumps.map(|w| w.stump.feature).collect();
-        columns.sort_unstable();
-        columns.dedup();
-        columns
-    }
 }

@@ -16,6 +16,9 @@ pub struct TrainingRecord {
     pub training_error: f64,
     /// What held-out examples said; absent if no part of the maps could be held out.
     pub validation: Option<ValidationRecord>,
+    /// What held-out blocks said of the network; absent for other methods.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub network: Option<NetworkRecord>,
     /// The settings of training.
     pub settings: serde_json::Value,
 }
@@ -48,6 +51,32 @@ pub struct ValidationRecord {
     pub log_loss: f64,
     /// The orders by falling accuracy; of more than four classes the best 24.
     pub orders: Vec<OrderRecord>,
+}
+
+/// What held-out blocks said of a network.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NetworkRecord {
+    /// Number of neighbors per class, M.
+    pub n_neighbors: usize,
+    /// Cost of the slack, C.
+    pub cost: f64,
+    /// All choices of both that were tried.
+    pub choices: Vec<ChoiceRecord>,
+}
+
+/// How well one choice of M and C did.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChoiceRecord {
+    /// Number of neighbors per class, M.
+    pub n_neighbors: usize,
+    /// Cost of the slack, C.
+    pub cost: f64,
+    /// Share of cells labeled right.
+    pub accuracy: f64,
+    /// Mean of the classes' F1 values.
+    pub macro_f1: f64,
 }
 
 /// How well one order of the decision list did.

@@ -77,6 +77,28 @@ impl Dataset {
         Ok(Self { table, examples, cells_per_example })
     }
 
+    /// Every n-th example of a class with more than `most`, so that at most so many remain.
+    pub fn thinned(&self, most: usize) -> Self {
+        let n_labels = self.cells_per_example.len();
+        let mut n_examples = vec![0; n_labels];
+        self.examples.iter().for_each(|example| n_examples[example.label.index()] += 1);
+        let every: Vec<usize> = n_examples.iter().map(|n: &usize| n.div_ceil(most).max(1)).collect();
+        let mut seen = vec![0usize; n_labels];
+        let mut is_taken = |example: &Example| {
+            let k = example.label.index();
+            seen[k] += 1;
+            (seen[k] - 1).is_multiple_of(every[k])
+        };
+        let rows: Vec<u32> =
+            (0..self.examples.len() as u32).filter(|&row| is_taken(&self.examples[row as usize])).collect();
+        let cells_per_example = self.cells_per_example.iter().zip(&every);
+        Self {
+            table: self.table.of_rows(&rows),
+            examples: rows.iter().map(|&row| self.examples[row as usize]).collect(),
+            cells_per_example: cells_per_example.map(|(&n, &every)| n * every as u32).collect(),
+        }
+    }
+
     /// The true classes of all examples.
     pub fn labels(&self) -> Vec<Label> {
         self.examples.iter().map(|example| example.label).collect()

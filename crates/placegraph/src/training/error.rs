@@ -35,6 +35,12 @@ pub enum TrainError {
         /// The map's name.
         map: String,
     },
+    /// A map whose cells are of another size than the first map's, where that matters.
+    #[error("expected maps of one resolution for a network, found another, map {map:?}")]
+    Resolution {
+        /// The map's name.
+        map: String,
+    },
     /// A window without cells of the map.
     #[error("expected a window inside of {} x {} cells, map {map:?}", size.0, size.1)]
     Window {

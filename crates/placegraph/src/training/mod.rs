@@ -5,6 +5,7 @@ mod dataset;
 mod error;
 mod folds;
 mod labeled_map;
+mod network;
 mod train;
 mod validate;
 
@@ -13,5 +14,6 @@ pub use dataset::{Dataset, Example};
 pub use error::TrainError;
 pub use folds::assign_folds;
 pub use labeled_map::{LabeledMap, Window};
+pub use network::{ListReport, NetworkConfig, NetworkReport, NodeScores, TrainedNetwork, train_network};
 pub use train::{FeatureVote, Trained, TrainingReport, train};
 pub use validate::{RoundsScore, Validation};

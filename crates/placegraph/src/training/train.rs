@@ -20,7 +20,7 @@ use crate::progress::{Progress, Stage};
 use crate::relax::{Compatibility, PairCounts, with_walls};
 
 /// Resolutions that differ by no more than this share are one: savers of maps round them.
-const SAME_RESOLUTION: f64 = 0.1;
+pub(super) const SAME_RESOLUTION: f64 = 0.1;
 /// Orders that the model's record lists.
 const RECORDED_ORDERS: usize = 24;
 
@@ -67,7 +67,7 @@ pub fn train(
 ) -> Result<Trained, TrainError> {
     config.validate()?;
     let data = Dataset::build(maps, label_set, config, progress)?;
-    let validation = validate(&data, config, progress);
+    let validation = validate(&data, config, progress).map(|validated| validated.validation);
     let (list, training_error) = train_list(&data, validation.as_ref(), label_set, config, progress)?;
     let (compatibility, resolution_m) = compatibility(maps, label_set, config);
     let record = TrainingRecord {
@@ -76,6 +76,7 @@ pub fn train(
         resolution_m,
         training_error,
         validation: validation.as_ref().map(|validation| record(validation, label_set)),
+        network: None,
         settings: config.record(),
     };
     let n_examples = |label: Label| data.examples.iter().filter(|example| example.label == label).count();
@@ -97,7 +98,7 @@ pub fn train(
 }
 
 /// The decision list from all examples, and its error on them.
-fn train_list(
+pub(super) fn train_list(
     data: &Dataset,
     validation: Option<&Validation>,
     label_set: &LabelSet,
@@ -154,7 +155,7 @@ fn votes(classifiers: &[StrongClassifier]) -> Vec<FeatureVote> {
     votes
 }
 
-fn record(validation: &Validation, label_set: &LabelSet) -> ValidationRecord {
+pub(super) fn record(validation: &Validation, label_set: &LabelSet) -> ValidationRecord {
     let mut orders: Vec<&OrderScore> = validation.orders.iter().collect();
     orders.sort_by(|a, b| b.accuracy.total_cmp(&a.accuracy));
     orders.truncate(RECORDED_ORDERS);

@@ -43,11 +43,21 @@ pub struct Validation {
     pub curve: Vec<RoundsScore>,
 }
 
+/// What validation found, and the classifiers that it trained.
+pub(super) struct CrossValidated {
+    pub(super) validation: Validation,
+    /// For every fold the classifiers of the chosen number of rounds that did not see it; none if the rest of the
+    /// examples lacked a class.
+    pub(super) classifiers: Vec<Vec<StrongClassifier>>,
+}
+
 /// Held-out examples of all folds, and their scores after each number of rounds.
 struct HeldOut {
     n_folds: usize,
     labels: Vec<Label>,
     scores: Vec<Scores>,
+    /// Of every fold, with the most rounds.
+    classifiers: Vec<Vec<StrongClassifier>>,
 }
 
 /// The order with the largest accuracy; ties go to the first.
@@ -56,7 +66,11 @@ pub(super) fn best_order(orders: &[OrderScore]) -> &OrderScore {
 }
 
 /// Cross-validates; `None` if no fold leaves examples of all classes to learn from.
-pub(super) fn validate(data: &Dataset, config: &TrainConfig, progress: &dyn Progress) -> Option<Validation> {
+pub(super) fn validate(
+    data: &Dataset,
+    config: &TrainConfig,
+    progress: &dyn Progress,
+) -> Option<CrossValidated> {
     progress.begin(Stage::Validate);
     let rounds = config.rounds.candidates();
     let held_out = held_out(data, rounds, config.n_folds, progress)?;
@@ -75,7 +89,11 @@ pub(super) fn validate(data: &Dataset, config: &TrainConfig, progress: &dyn Prog
     let scores = &held_out.scores[best];
     let orders = search_order(scores, &held_out.labels, &data.cells_per_example, temperature);
     let log_loss = log_loss(&best_order(&orders).order, temperature, scores, &held_out.labels, data);
-    Some(Validation { n_folds: held_out.n_folds, n_rounds, temperature, log_loss, orders, curve })
+    let truncated = |of_fold: &Vec<StrongClassifier>| of_fold.iter().map(|c| c.truncated(n_rounds)).collect();
+    let classifiers = held_out.classifiers.iter().map(truncated).collect();
+    let n_folds = held_out.n_folds;
+    let validation = Validation { n_folds, n_rounds, temperature, log_loss, orders, curve };
+    Some(CrossValidated { validation, classifiers })
 }
 
 fn best_temperature(
@@ -94,12 +112,13 @@ fn best_temperature(
 fn held_out(data: &Dataset, rounds: &[usize], n_folds: usize, progress: &dyn Progress) -> Option<HeldOut> {
     let n_labels = data.cells_per_example.len();
     let most = rounds.iter().copied().max().unwrap_or(0);
-    let mut found = HeldOut { n_folds: 0, labels: Vec::new(), scores: Vec::new() };
+    let mut found = HeldOut { n_folds: 0, labels: Vec::new(), scores: Vec::new(), classifiers: Vec::new() };
     let mut values = vec![Vec::new(); rounds.len()];
     for fold in 0..n_folds {
         let (out, kept): (Vec<u32>, Vec<u32>) = (0..data.examples.len() as u32)
             .partition(|&row| usize::from(data.examples[row as usize].fold) == fold);
         progress.advance(fold, n_folds);
+        found.classifiers.push(Vec::new());
         if out.is_empty() || kept.is_empty() {
             continue;
         }
@@ -113,6 +132,7 @@ fn held_out(data: &Dataset, rounds: &[usize], n_folds: usize, progress: &dyn Pro
             let scores = table_scores(&data.table, &out, &CompiledClassifiers::new(&truncated));
             values.extend_from_slice(scores.values());
         }
+        found.classifiers[fold] = classifiers;
         found.labels.extend(out.iter().map(label));
         found.n_folds += 1;
     }
