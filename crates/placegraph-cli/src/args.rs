@@ -36,6 +36,8 @@ pub(crate) enum Command {
     Features(FeaturesArgs),
     /// Make buildings with perfect labels, as a robot would map them
     Generate(GenerateArgs),
+    /// Run the chapter's experiments on its maps and set the figures side by side
+    Reproduce(ReproduceArgs),
 }
 
 /// How a map file is read.
@@ -253,6 +255,16 @@ pub(crate) enum MappingArg {
     Furnished,
     /// Any of them, most often the robot
     Mixed,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ReproduceArgs {
+    /// Folder with the maps: `fr79_slam`, `fr52_slam` and `sdr_b_slam`, each with `map.yaml`, its image and `labels.png`
+    #[arg(value_name = "DATA")]
+    pub(crate) data: PathBuf,
+    /// Folder for `results.md`, `results.json` and the pictures in `results/`
+    #[arg(short, long, value_name = "DIR", default_value = "reproduction")]
+    pub(crate) out: PathBuf,
 }
 
 /// Pixels of an image, y down, upper bounds exclusive.

@@ -14,7 +14,7 @@ use anyhow::{Context, Result};
 use clap::Parser;
 
 use crate::args::{Cli, Command};
-use crate::commands::{Outcome, evaluate, features, generate, info, map, scan, train};
+use crate::commands::{Outcome, evaluate, features, generate, info, map, reproduce, scan, train};
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
@@ -44,6 +44,7 @@ fn run(cli: &Cli) -> Result<Outcome> {
         Command::Scan(args) => scan::run(args),
         Command::Features(args) => features::run(args),
         Command::Generate(args) => generate::run(args),
+        Command::Reproduce(args) => reproduce::run(args, cli.verbose),
     }
 }
 

@@ -5,6 +5,7 @@ pub(crate) mod features;
 pub(crate) mod generate;
 pub(crate) mod info;
 pub(crate) mod map;
+pub(crate) mod reproduce;
 pub(crate) mod scan;
 pub(crate) mod train;
 
