@@ -23,7 +23,8 @@ const BEST_FEATURES: usize = 12;
 pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
     let (entries, label_set, coding) = what_to_train_on(args)?;
     let options = read::options(&args.read);
-    let maps = entries.iter().map(|entry| labeled_map(entry, &coding, &options)).collect::<Result<Vec<_>>>()?;
+    let maps =
+        entries.iter().map(|entry| labeled_map(entry, &coding, &options)).collect::<Result<Vec<_>>>()?;
     let config = config(args);
     let watch = Watch::start("training");
     let trained = train(&maps, &label_set, &config, &watch)?;

@@ -75,13 +75,13 @@ impl Building {
         );
         map.labels = on_free_cells(&map, &map.labels);
         let second = data.join(source.second_drawing);
-        let second_drawing = second.join("labels_hand.png").is_file().then(|| read(&second, "labels_hand.png"));
+        let second_drawing =
+            second.join("labels_hand.png").is_file().then(|| read(&second, "labels_hand.png"));
         let second_drawing = second_drawing.transpose().context("in the second drawing")?;
         let same_size = |other: &LabeledMap| {
             (other.labels.width(), other.labels.height()) == (map.labels.width(), map.labels.height())
         };
-        let second_drawing =
-            second_drawing.filter(same_size).map(|other| on_free_cells(&map, &other.labels));
+        let second_drawing = second_drawing.filter(same_size).map(|other| on_free_cells(&map, &other.labels));
         Ok(Self { title: source.title, map, split: source.split, second_drawing })
     }
 

@@ -44,7 +44,11 @@ const PICTURES: &str = "results";
 
 /// Makes all experiments and writes page, numbers and pictures.
 pub(crate) fn run(args: &ReproduceArgs, verbose: bool) -> Result<Outcome> {
-    ensure!(args.data.is_dir(), "expected a folder with the chapter's maps, found no folder {}", args.data.display());
+    ensure!(
+        args.data.is_dir(),
+        "expected a folder with the chapter's maps, found no folder {}",
+        args.data.display()
+    );
     let buildings = load(&args.data, &CHAPTER)?;
     let (results, pictures) = reproduce(&buildings, &Settings::default(), verbose)?;
     write(&results, pictures, &args.out)?;
@@ -67,11 +71,7 @@ fn write(results: &Results, pictures: OutputSet, folder: &Path) -> Result<()> {
 }
 
 /// All experiments, and the pictures of their maps and curves.
-fn reproduce(
-    buildings: &[Building; 3],
-    settings: &Settings,
-    verbose: bool,
-) -> Result<(Results, OutputSet)> {
+fn reproduce(buildings: &[Building; 3], settings: &Settings, verbose: bool) -> Result<(Results, OutputSet)> {
     let mut pictures = OutputSet::default();
     let [b79, ..] = buildings;
     let mut made = Vec::new();
@@ -121,7 +121,8 @@ fn timed<T>(what: &str, verbose: bool, work: impl FnOnce(&Watch) -> Result<T>) -
 /// The networks of Sect. 4.8.3: the chapter's cells in the chapter's setting, then every stride in the best.
 fn networks(building: &Building, settings: &Settings, watch: &Watch) -> Vec<NetworkRun> {
     let chapter = settings.network_strides.iter().take(1);
-    let chapter = chapter.map(|&stride| ("features weighed as printed", stride, Settings::chapter_network(stride)));
+    let chapter =
+        chapter.map(|&stride| ("features weighed as printed", stride, Settings::chapter_network(stride)));
     let best = settings.network_strides.iter();
     let best = best.map(|&stride| ("features weighed by shares", stride, Settings::best_network(stride)));
     chapter
@@ -164,7 +165,8 @@ fn add_pictures(pictures: &mut OutputSet, trial: &Trial<'_>, made: &Made) -> Res
     for (name, run) in [("topology", chapter), ("best-topology", &made.best)] {
         let analysis = &run.analysis;
         let label_set = LabelSet::default();
-        add(name, overview_png(map, &analysis.labeling, &label_set, &analysis.topology, trial.title));
+        let png = overview_png(map, &analysis.labeling, &label_set, &analysis.topology, trial.title);
+        add(name, pictures::halved_png(&png)?);
     }
     Ok(())
 }
@@ -199,7 +201,6 @@ fn rounds_svg(results: &Results) -> Result<String> {
 }
 
 fn iterations_svg(results: &Results) -> Result<String> {
-    let lines: Vec<Line> =
-        results.iterations.iter().map(|curve| line(curve.title, &curve.points)).collect();
+    let lines: Vec<Line> = results.iterations.iter().map(|curve| line(curve.title, &curve.points)).collect();
     curves_svg("Relaxation labeling", "iterations", &lines)
 }

@@ -11,7 +11,7 @@ use placegraph::scan::ScanConfig;
 use placegraph::training::LabeledMap;
 
 use super::buildings::Building;
-use super::results::{Network, painted, compare};
+use super::results::{Network, compare, painted};
 
 /// First column, and first row from the top, of the cells that are nodes: with these, a stride of 4 leaves the chapter's
 /// 8088 nodes of building 79.
@@ -67,9 +67,8 @@ impl Sampled {
             cells[cell] = Occupancy::Unknown;
         }
         let graph = CellGraph::new(&cells);
-        let full = |cell: &Cell| {
-            Cell::new(self.first.x + cell.x * self.stride, self.first.y + cell.y * self.stride)
-        };
+        let full =
+            |cell: &Cell| Cell::new(self.first.x + cell.x * self.stride, self.first.y + cell.y * self.stride);
         let full = graph.cells().iter().map(full).collect();
         (graph, full)
     }

@@ -12,7 +12,7 @@ pub(super) fn page(results: &Results) -> String {
         introduction(results),
         summary(results),
         all_measures(results),
-        results.experiments.iter().map(sections::experiment).collect(),
+        results.experiments.iter().map(sections::experiment).collect::<Vec<_>>().join("\n"),
         sections::networks(&results.networks),
         sections::orders(&results.orders),
         sections::rounds(results),

@@ -10,11 +10,7 @@ use super::experiment::{Run, boosted};
 use super::results::{Correction, Point, score};
 
 /// The relaxed labels after each number of `iterations`, in ascending order.
-pub(super) fn iterations(
-    run: &Run,
-    truth: &Grid<Option<Label>>,
-    iterations: &[u32],
-) -> Result<Vec<Point>> {
+pub(super) fn iterations(run: &Run, truth: &Grid<Option<Label>>, iterations: &[u32]) -> Result<Vec<Point>> {
     let compatibility = &boosted(&run.trained.model)?.compatibility;
     let graph = &run.analysis.graph;
     let (mut field, mut done) = (run.analysis.classified.clone(), 0);
@@ -34,10 +30,7 @@ pub(super) fn corrections(run: &Run, resolution_m: f64, truth: &Grid<Option<Labe
     let variants = [
         ("none", none),
         ("rooms and corridors below 1 m²", Thresholds { min_place_m2: both.min_place_m2, ..none }),
-        (
-            "doorways below 0.1 m², or with fewer than two neighbors",
-            Thresholds { min_place_m2: 0.0, ..both },
-        ),
+        ("doorways below 0.1 m², or with fewer than two neighbors", Thresholds { min_place_m2: 0.0, ..both }),
         ("both", both),
     ];
     let graph = &run.analysis.graph;

@@ -22,17 +22,17 @@ fn small() -> Settings {
         scales: vec![1.0, 1.2],
         max_cells: 400,
         max_cells_scaled: 200,
-        network_strides: vec![4],
+        network_strides: vec![2],
     }
 }
 
-/// Draws an office in place of each of the chapter's buildings, split in the middle.
+/// Draws a home in place of each of the chapter's buildings, split in the middle.
 fn draw(data: &Path) -> [Source; 3] {
     let options = Options { mapping: Mapping::Clean, resolution_m: Some(0.1) };
-    let mut index = 0;
+    // Homes with corridors and doorways in both halves.
+    let mut indices = [2, 1, 2].into_iter();
     CHAPTER.map(|source| {
-        let building = generate(Style::Office, 5, index, &options);
-        index += 1;
+        let building = generate(Style::Home, 5, indices.next().unwrap(), &options);
         let folder = data.join(source.folder);
         fs::create_dir_all(&folder).unwrap();
         for (name, bytes) in files(&building).unwrap() {
