@@ -84,8 +84,9 @@ fn experiments_agree_with_each_other_and_repeat_to_the_byte() {
         assert_eq!(experiment.corrections[0].scores, experiment.chapter.relaxed);
         assert_eq!(experiment.corrections[3].scores, experiment.chapter.corrected);
         let errors = &experiment.errors;
-        let scores = &experiment.chapter.corrected;
-        assert_eq!(errors.n_wrong as f64, (scores.n_cells as f64 * (1.0 - scores.accuracy.unwrap())).round());
+        let counts = &experiment.chapter.corrected.confusion.counts;
+        let n_right: u64 = (0..counts.len()).map(|k| counts[k][k]).sum();
+        assert_eq!(errors.n_wrong, counts.iter().flatten().sum::<u64>() - n_right);
         assert_eq!(errors.n_disputed, Some(0), "no drawing but the one");
     }
     assert!(results.drawings.iter().all(|drawing| drawing.scores.accuracy == Some(1.0)));
