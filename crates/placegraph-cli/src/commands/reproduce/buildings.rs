@@ -20,7 +20,7 @@ pub(super) struct Source {
     pub(super) title: &'static str,
     /// Columns left of this one are for training, the others for the test.
     pub(super) split: u32,
-    /// Folder with `labels_hand.png`: labels of the same map that somebody else drew. May be missing.
+    /// Folder with `labels_hand.png`: labels of the same map that were drawn apart. May be missing.
     pub(super) second_drawing: &'static str,
 }
 

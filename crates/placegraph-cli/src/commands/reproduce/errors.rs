@@ -4,7 +4,7 @@ use placegraph::geom::Point2;
 use placegraph::grid::{Grid, MapFrame};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::pipeline::Analysis;
-use placegraph::regions::{DiagonalSteps, connected};
+use placegraph::regions::{DiagonalSteps, Region, connected};
 
 use super::buildings::Building;
 use super::results::{DOORWAY, Errors, Patch, compare, painted};
@@ -61,7 +61,7 @@ fn patches(frame: &MapFrame, analysis: &Analysis, truth: &Grid<Option<Label>>) -
     // A stable sort: patches of equal size stay in the order of the map.
     patches.sort_by_key(|(region, _)| std::cmp::Reverse(region.n_cells));
     let name = |label: u8| label_set.class(Label(label)).name.clone();
-    let patch = |(region, sum): (&placegraph::regions::Region, [f64; 2])| Patch {
+    let patch = |(region, sum): (&Region, [f64; 2])| Patch {
         n_cells: region.n_cells,
         center_m: sum.map(|sum| sum / f64::from(region.n_cells)),
         truth: name((region.label.0 - 1) / n),

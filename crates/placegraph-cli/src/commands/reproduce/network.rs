@@ -10,7 +10,7 @@ use placegraph::progress::{Progress, Stage};
 use placegraph::scan::ScanConfig;
 use placegraph::training::LabeledMap;
 
-use super::buildings::Building;
+use super::buildings::{Building, from_column};
 use super::results::{Network, compare, painted};
 
 /// First column, and first row from the top, of the cells that are nodes: with these, a stride of 4 leaves the chapter's
@@ -103,7 +103,7 @@ pub(super) fn network(
     let table = extract(&building.map.grid, &cells, &model.standardization.features, &scan, progress);
     let (labeling, _) = amn::label(&graph, &table, &model);
     let alone = model.weights.potentials(&model.transform(&table), model.connectivity).best_alone();
-    let truth = super::buildings::from_column(split, labels);
+    let truth = from_column(split, labels);
     let found = painted(labels, graph.cells(), &labeling);
     let result = Network {
         title,

@@ -237,9 +237,9 @@ pub(super) fn drawings(drawings: &[Drawings]) -> String {
     let rows = drawings.iter().map(|Drawings { title, scores }| {
         std::iter::once((*title).to_owned()).chain(measures(scores)).collect::<Vec<_>>()
     });
-    let mut text = "## How far two drawings agree\n\nLabels that somebody else drew on the same maps, judged as if they \
-                    were found. A result that agrees with one drawing better than the other drawing does says \
-                    nothing.\n\n"
+    let mut text = "## How far two drawings agree\n\nA second set of labels of the same maps, made apart from the first, \
+                    judged as if it were found. A result that agrees with one drawing better than the other drawing \
+                    does says nothing.\n\n"
         .to_owned();
     if drawings.is_empty() {
         return text + "There is no second drawing in the data.\n";
