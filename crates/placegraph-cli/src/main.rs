@@ -19,7 +19,7 @@ use clap::Parser;
 
 use crate::args::{Cli, Command};
 use crate::commands::{
-    Outcome, evaluate, export, features, generate, info, locate, map, route, scan, shell, train,
+    Outcome, evaluate, export, features, generate, info, locate, map, reproduce, route, scan, shell, train,
 };
 
 fn main() -> ExitCode {
@@ -55,6 +55,7 @@ fn run(cli: &Cli) -> Result<Outcome> {
         Command::Route(args) => route::run(args),
         Command::Completions(args) => shell::completions(args),
         Command::Man(args) => shell::man(args),
+        Command::Reproduce(args) => reproduce::run(args, cli.verbose),
     }
 }
 

@@ -5,7 +5,7 @@ use std::fs;
 
 use anyhow::{Context, Result, bail};
 use placegraph::grid::{Cell, OccupancyGrid};
-use placegraph::import::{self, LabelCell, LabelCoding};
+use placegraph::import::{self, LabelCell, LabelCoding, ReadOptions};
 use placegraph::labels::LabelSet;
 use placegraph::training::{
     Choice, LabeledMap, ListReport, NetworkConfig, NetworkReport, TrainConfig, Trained, TrainedNetwork,
@@ -25,7 +25,9 @@ const BEST_FEATURES: usize = 12;
 /// Trains and writes a model, and tells how it went.
 pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
     let (entries, label_set, coding) = what_to_train_on(args)?;
-    let maps = entries.iter().map(|entry| labeled_map(entry, &coding, args)).collect::<Result<Vec<_>>>()?;
+    let options = read::options(&args.read);
+    let maps =
+        entries.iter().map(|entry| labeled_map(entry, &coding, &options)).collect::<Result<Vec<_>>>()?;
     let watch = Watch::start("training");
     let (model, report) = match args.method {
         MethodArg::Boosted => {
@@ -84,8 +86,13 @@ fn coding(label_set: &LabelSet, paints: &[Paint]) -> LabelCoding {
     LabelCoding::new(entries)
 }
 
-fn labeled_map(entry: &MapEntry, coding: &LabelCoding, args: &TrainArgs) -> Result<LabeledMap> {
-    let map = read::map(&entry.map, &args.read)?;
+/// Reads a map and its labels.
+pub(super) fn labeled_map(
+    entry: &MapEntry,
+    coding: &LabelCoding,
+    options: &ReadOptions,
+) -> Result<LabeledMap> {
+    let map = import::load_map(&entry.map, options)?;
     let size = (map.grid.cells.width(), map.grid.cells.height());
     let in_labels = || format!("in the labels {}", entry.labels.display());
     let bytes = fs::read(&entry.labels).with_context(in_labels)?;

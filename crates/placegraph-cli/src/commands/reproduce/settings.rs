@@ -1,0 +1,83 @@
+//! What is computed: the chapter's setting, the best one, and the points of the curves.
+
+use placegraph::amn::IamnConfig;
+use placegraph::features::select::{SelectConfig, Weighing};
+use placegraph::training::{Choice, TrainConfig};
+use serde::Serialize;
+
+/// Numbers that the experiments use; tests take smaller ones.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct Settings {
+    /// T of the chapter's setting.
+    pub(super) rounds: usize,
+    /// Values of T that the best setting chooses from, on held-out training cells.
+    pub(super) best_rounds: Vec<usize>,
+    /// Points of the curve over T.
+    pub(super) rounds_curve: Vec<usize>,
+    /// Points of the curve over iterations of the relaxation.
+    pub(super) iterations_curve: Vec<u32>,
+    /// Scales of the training maps in Sect. 4.8.2.
+    pub(super) scales: Vec<f64>,
+    /// Most training cells of a class in the best setting, and where whole buildings are learned from.
+    pub(super) max_cells: usize,
+    /// The same where every cell is seen at all scales.
+    pub(super) max_cells_scaled: usize,
+    /// Sides of the networks' cells, in cells of the map.
+    pub(super) network_strides: Vec<u32>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            rounds: 100,
+            best_rounds: vec![25, 50, 100, 200, 400],
+            rounds_curve: vec![10, 25, 50, 75, 100, 150, 200, 300, 400, 500],
+            iterations_curve: vec![0, 1, 2, 5, 10, 20, 30, 40, 50, 60, 80, 100],
+            scales: vec![0.7, 0.85, 1.0, 1.2, 1.4],
+            max_cells: 6000,
+            max_cells_scaled: 3000,
+            network_strides: vec![4, 1],
+        }
+    }
+}
+
+impl Settings {
+    /// 100 rounds, temperature 1, one scale, all training cells.
+    pub(super) fn chapter(&self) -> TrainConfig {
+        TrainConfig { rounds: Choice::Set(self.rounds), ..TrainConfig::chapter() }
+    }
+
+    /// Rounds and temperature chosen on held-out blocks of the training cells.
+    pub(super) fn best(&self) -> TrainConfig {
+        TrainConfig {
+            rounds: Choice::Among(self.best_rounds.clone()),
+            max_cells_per_class: Some(self.max_cells),
+            ..TrainConfig::default()
+        }
+    }
+
+    /// `config` with every training cell seen at several scales.
+    pub(super) fn scaled(&self, config: TrainConfig) -> TrainConfig {
+        TrainConfig {
+            scales: self.scales.clone(),
+            max_cells_per_class: Some(self.max_cells_scaled),
+            ..config
+        }
+    }
+
+    /// The network as the chapter prints it: features by the plain Fisher ratio.
+    pub(super) fn chapter_network(stride: u32) -> IamnConfig {
+        let select = SelectConfig { weighing: Weighing::Printed, ..SelectConfig::default() };
+        IamnConfig { select, ..Self::best_network(stride) }
+    }
+
+    /// The network with the program's defaults.
+    ///
+    /// Where every cell of the map is a node, only one neighbor per class and three values of C are tried.
+    pub(super) fn best_network(stride: u32) -> IamnConfig {
+        if stride > 1 {
+            return IamnConfig::default();
+        }
+        IamnConfig { n_neighbors: vec![1], costs: vec![10.0, 100.0, 1000.0], ..IamnConfig::default() }
+    }
+}
