@@ -53,7 +53,9 @@ pub fn settle(
     }
     let mut cells = Grid::filled(graph.width(), graph.height(), Occupancy::Occupied);
     let nodes: Vec<usize> = (0..graph.n_nodes()).filter(|&node| !is_doorway(&labeling[node])).collect();
-    nodes.iter().for_each(|&node| cells[graph.cells()[node]] = Occupancy::Free);
+    for &node in &nodes {
+        cells[graph.cells()[node]] = Occupancy::Free;
+    }
     let spaces = CellGraph::new(&cells);
 
     let evidence = Evidence { candidates: &candidates, config, scale: config.evidence_per_m * resolution_m };

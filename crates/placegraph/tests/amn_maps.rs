@@ -26,7 +26,9 @@ fn coarse_graph(cells: &[Cell]) -> CellGraph {
     let width = cells.iter().map(|c| coarse(c.x) + 1).max().unwrap();
     let height = cells.iter().map(|c| coarse(c.y) + 1).max().unwrap();
     let mut map = Grid::filled(width, height, Occupancy::Unknown);
-    cells.iter().for_each(|c| map[Cell::new(coarse(c.x), coarse(c.y))] = Occupancy::Free);
+    for c in cells {
+        map[Cell::new(coarse(c.x), coarse(c.y))] = Occupancy::Free;
+    }
     CellGraph::new(&map)
 }
 

@@ -1,5 +1,6 @@
 //! The chapter's three experiments (Sect. 4.8) on hand-labeled maps of its buildings: trained on the left halves, and
-//! not below the share of cells that Table 4.1 and Sect. 4.8 report for the classifier alone.
+//! not below the share of cells that Table 4.1 and Sect. 4.8 report for the classifier alone. After all stages it is
+//! the chapter's share on building 52 and SDR site B; on building 79 it is 98.5 % (the chapter: 98.95 %).
 //!
 //! Reads the folder named by `PLACEGRAPH_DATA`; without it the tests are skipped. No setting was chosen by these
 //! results: everything is a default, except that large classes are thinned to keep the test short.
@@ -11,6 +12,7 @@ use placegraph::boost::{CompiledClassifiers, cell_scores};
 use placegraph::grid::CellGraph;
 use placegraph::labels::{LabelSet, Labeling};
 use placegraph::model::{Method, Model};
+use placegraph::pipeline::{Config, analyze};
 use placegraph::progress::Silent;
 use placegraph::relax::relax;
 use placegraph::training::{LabeledMap, TrainConfig, Trained, train};
@@ -49,14 +51,17 @@ fn report(trained: &Trained) {
     }
 }
 
-/// Trains on all `maps` and returns the accuracy of the classifier on the columns of `test` from `split` on.
-fn experiment(maps: &[LabeledMap], test: &LabeledMap, split: u32, config: &TrainConfig) -> f64 {
+/// Trains on all `maps` and returns the accuracy of the classifier, and of the whole pipeline, on the columns of `test`
+/// from `split` on.
+fn experiment(maps: &[LabeledMap], test: &LabeledMap, split: u32, config: &TrainConfig) -> (f64, f64) {
     let trained = train(maps, &LabelSet::default(), config, &Silent).unwrap();
     report(&trained);
     let (graph, classified, relaxed) = label(&trained.model, test);
     let accuracy = evaluate(test, graph.cells(), &classified, split, "classified").0;
     evaluate(test, graph.cells(), &relaxed, split, "relaxed");
-    accuracy
+    let analysis = analyze(&test.grid, &trained.model, &Config::default(), &Silent);
+    let corrected = evaluate(test, graph.cells(), &analysis.labeling, split, "corrected").0;
+    (accuracy, corrected)
 }
 
 fn short() -> TrainConfig {
@@ -66,15 +71,15 @@ fn short() -> TrainConfig {
 #[test]
 fn building_79_left_to_right() {
     let Some(map) = labeled_map("fr79_slam", Some(350)) else { return };
-    let accuracy = experiment(std::slice::from_ref(&map), &map, 350, &short());
-    assert!(accuracy >= 0.973, "{accuracy}");
+    let (classified, corrected) = experiment(std::slice::from_ref(&map), &map, 350, &short());
+    assert!(classified >= 0.973 && corrected >= 0.985, "{classified}, {corrected}");
 }
 
 #[test]
 fn building_52_left_to_right() {
     let Some(map) = labeled_map("fr52_slam", Some(270)) else { return };
-    let accuracy = experiment(std::slice::from_ref(&map), &map, 270, &short());
-    assert!(accuracy >= 0.970, "{accuracy}");
+    let (classified, corrected) = experiment(std::slice::from_ref(&map), &map, 270, &short());
+    assert!(classified >= 0.970 && corrected >= 0.9866, "{classified}, {corrected}");
 }
 
 #[test]
@@ -87,6 +92,6 @@ fn sdr_site_b_from_both_left_halves_at_several_scales() {
     };
     let config =
         TrainConfig { scales: vec![0.7, 0.85, 1.0, 1.2, 1.4], max_cells_per_class: Some(3000), ..short() };
-    let accuracy = experiment(&maps, &test, 0, &config);
-    assert!(accuracy >= 0.924, "{accuracy}");
+    let (classified, corrected) = experiment(&maps, &test, 0, &config);
+    assert!(classified >= 0.924 && corrected >= 0.969, "{classified}, {corrected}");
 }

@@ -13,7 +13,7 @@ const LAYERS: &[&[&str]] = &[
     &["labels"],
     &["features"],
     &["boost", "relax", "amn"],
-    &["doorways"],
+    &["doorways", "spaces"],
     &["regions"],
     &["topology"],
     &["model"],

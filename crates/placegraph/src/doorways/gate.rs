@@ -47,14 +47,15 @@ pub(super) fn candidates(
     found
 }
 
-/// The gates among `candidates` that `is_doorway` accepts, but none whose center lies in an earlier one, with
-/// `margin` cells on both sides.
+/// The gates among `candidates` that `is_doorway` accepts, but none whose strip, with `margin` cells on both sides, begins
+/// in that of an earlier one: seen from aside, a door has a second shortest line.
 pub(super) fn accepted(candidates: Vec<Gate>, margin: f64, is_doorway: impl Fn(&Gate) -> bool) -> Vec<Gate> {
     let mut accepted: Vec<Gate> = Vec::new();
     for gate in candidates {
         let lies_in = |other: &Gate| {
             let (across, along) = other.local(gate.center);
-            across.abs() <= other.width / 2.0 && along.abs() <= other.depth / 2.0 + margin
+            across.abs() <= other.width / 2.0
+                && along.abs() <= f64::midpoint(other.depth, gate.depth) + 2.0 * margin
         };
         if !accepted.iter().any(lies_in) && is_doorway(&gate) {
             accepted.push(gate);

@@ -116,11 +116,15 @@ pub fn mark(
     let strips = strips(graph, resolution_m, field, label_set, config);
     for strip in &strips {
         if let Some(label) = most_probable(field, strip, label_set, |role| role == Role::Doorway) {
-            strip.iter().for_each(|&node| marked[node] = label);
+            for &node in strip {
+                marked[node] = label;
+            }
         }
     }
     let mut in_strip = vec![false; graph.n_nodes()];
-    strips.iter().flatten().for_each(|&node| in_strip[node] = true);
+    for &node in strips.iter().flatten() {
+        in_strip[node] = true;
+    }
     for node in 0..graph.n_nodes() {
         if is_doorway(marked[node]) && !in_strip[node] {
             let other = most_probable(field, &[node], label_set, |role| role != Role::Doorway);

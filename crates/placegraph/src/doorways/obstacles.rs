@@ -19,7 +19,9 @@ impl Obstacles {
         let mut length = Grid::filled(width, height, 0);
         // Cells of no obstacle yet.
         let mut is_open = Grid::filled(width, height, true);
-        graph.cells().iter().for_each(|&cell| is_open[cell] = false);
+        for &cell in graph.cells() {
+            is_open[cell] = false;
+        }
         for start in length.cells().collect::<Vec<_>>() {
             if !std::mem::take(&mut is_open[start]) {
                 continue;
@@ -39,17 +41,17 @@ impl Obstacles {
             }
             let is_cut = low.x == 0 || low.y == 0 || high.x + 1 == width || high.y + 1 == height;
             let longer = (high.x - low.x).max(high.y - low.y) + 1;
-            members.iter().for_each(|&cell| length[cell] = if is_cut { Self::ENDLESS } else { longer });
+            for cell in members {
+                length[cell] = if is_cut { Self::ENDLESS } else { longer };
+            }
         }
         Self { length }
     }
 
     /// The map's free cells together with those of all obstacles of at most `length` cells.
     pub(super) fn cleared(&self, length: u32) -> CellGraph {
-        CellGraph::new(&self.length.map(|&own| match own <= length {
-            true => Occupancy::Free,
-            false => Occupancy::Occupied,
-        }))
+        let occupancy = |&own: &u32| if own <= length { Occupancy::Free } else { Occupancy::Occupied };
+        CellGraph::new(&self.length.map(occupancy))
     }
 
     /// The length of the longest obstacle in the 3 x 3 cells around `point`.

@@ -52,7 +52,9 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
     for (side, direction) in sides.iter_mut().zip([1.0, -1.0]) {
         let mut steps: Vec<Option<u32>> = vec![None; window.n_cells()];
         let mut open: VecDeque<usize> = beside(graph, gate, direction).into();
-        open.iter().for_each(|&node| steps[window.index(graph.cells()[node])] = Some(0));
+        for &node in &open {
+            steps[window.index(graph.cells()[node])] = Some(0);
+        }
         while let Some(node) = open.pop_front() {
             let here = window.index(graph.cells()[node]);
             let walked = steps[here].unwrap_or(0);
@@ -63,7 +65,7 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
             if walked >= reach {
                 continue;
             }
-            for &step in &RING[..if walked % 2 == 0 { 8 } else { 4 }] {
+            for &step in &RING[..if walked.is_multiple_of(2) { 8 } else { 4 }] {
                 let Some(next) = reachable(graph, node, step) else { continue };
                 let cell = graph.cells()[next];
                 let known = &mut steps[window.index(cell)];

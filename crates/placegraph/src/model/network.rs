@@ -33,7 +33,7 @@ impl NetworkModel {
     ) -> Vec<f32> {
         let classifiers = self.list.as_ref().map(|list| CompiledClassifiers::new(&list.classifiers));
         let mut columns: Vec<FeatureId> = self.network.standardization.features.clone();
-        columns.extend(classifiers.iter().flat_map(|classifiers| classifiers.columns()));
+        columns.extend(classifiers.iter().flat_map(CompiledClassifiers::columns));
         columns.sort_unstable();
         columns.dedup();
         let mut features = Vec::new();
