@@ -176,7 +176,7 @@ mod tests {
     #[test]
     fn bins_of_many_values_are_filled_and_split_no_value() {
         let n = 10_000;
-        let value = |i: usize| if i % 2 == 0 { 0.0 } else { ((i * 7919) % n) as f32 };
+        let value = |i: usize| if i.is_multiple_of(2) { 0.0 } else { ((i * 7919) % n) as f32 };
         let table = FeatureTable::from_columns(vec![FeatureId(0)], n, (0..n).map(value).collect());
         let rows: Vec<u32> = (0..n as u32).collect();
         let examples = SortedExamples::new(&table, &rows, &vec![Label(0); n], 1);

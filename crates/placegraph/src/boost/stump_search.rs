@@ -152,14 +152,18 @@ fn column_sums(
     for (class, of_class) in examples.of_class().iter().enumerate() {
         // What a class adds to the sums of its own lane is positive.
         let lane = class.checked_sub(first_class).filter(|&lane| lane < LANES);
-        histograms.iter_mut().for_each(|histogram| histogram.add_to_positive(lane, -1));
+        for histogram in &mut histograms {
+            histogram.add_to_positive(lane, -1);
+        }
         for first in of_class.clone().step_by(EXAMPLES) {
             let chunk = first..of_class.end.min(first + EXAMPLES);
             for (column, histogram) in columns.clone().zip(&mut histograms) {
                 histogram.add(&examples.codes(column)[chunk.clone()], &weights[chunk.clone()]);
             }
         }
-        histograms.iter_mut().for_each(|histogram| histogram.add_to_positive(lane, 1));
+        for histogram in &mut histograms {
+            histogram.add_to_positive(lane, 1);
+        }
     }
     columns.zip(&histograms).map(|(column, histogram)| histogram.sums(examples.bins(column).len())).collect()
 }

@@ -32,7 +32,9 @@ pub fn islands(graph: &CellGraph, resolution_m: f64, regions: &RegionMap, min_m2
 /// Cost: for every island the square of cells around it that reaches so far.
 pub fn label_islands(graph: &CellGraph, regions: &RegionMap, islands: &[RegionId]) -> RegionMap {
     let mut is_island = vec![false; regions.regions.len()];
-    islands.iter().for_each(|id| is_island[id.index()] = true);
+    for id in islands {
+        is_island[id.index()] = true;
+    }
     let mut labeled = regions.clone();
     let mut is_done = vec![false; regions.regions.len()];
     for (node, id) in regions.region_of.iter().enumerate() {
