@@ -169,7 +169,7 @@ impl fmt::Display for Finding {
             Self::Specks { n_specks, area_m2 } => write!(
                 f,
                 "{n_specks} free specks below {SPECK_M2} m² each ({area_m2:.1} m² together) are separated from the \
-                 rest, mostly beams that passed through windows; they make small regions of their own"
+                 rest, mostly beams that passed through windows; they take the label of what is nearest and are no places"
             ),
         }
     }
