@@ -1,7 +1,7 @@
 //! Files of other programs: which format has which files, and what goes into them.
 
 use std::path::Path;
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use anyhow::{Context, Result, ensure};
 use placegraph::export::{
@@ -93,8 +93,18 @@ impl<'a> Subject<'a> {
             metric_map: name.clone(),
             name,
             frame_id: self.document.map.frame_id.clone(),
-            last_updated: timestamp(SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()),
+            last_updated: timestamp(source_date()),
         }
+    }
+
+    /// What made the result, and from what.
+    fn provenance(&self) -> String {
+        let TopologyDocument { program, map, model, .. } = self.document;
+        let model = model.as_ref().map(|model| format!("model {} {}", model.name, model.hash));
+        let mut parts = vec![format!("{} {}", program.name, program.version)];
+        parts.extend(model);
+        parts.push(format!("map {} {}", map.name, map.hash));
+        parts.join(" · ")
     }
 
     fn report(&self) -> Result<String, ExportError> {
@@ -107,6 +117,7 @@ impl<'a> Subject<'a> {
             occupancy: self.occupancy,
             probability: self.probability.as_ref(),
             findings: &self.document.findings,
+            provenance: &self.provenance(),
         })
     }
 }
@@ -150,6 +161,14 @@ pub(crate) fn file_names(format: Format, main: &str) -> Result<Vec<String>> {
     Ok(names)
 }
 
+/// The time since 1970 that the environment gives to files [reproducible-builds.org], or none: the same map gives the same
+/// bytes whenever it is exported.
+fn source_date() -> Duration {
+    let seconds = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| seconds.parse().ok());
+    // The format has room for four digits of a year.
+    Duration::from_secs(seconds.unwrap_or(0).min(253_402_300_799))
+}
+
 /// The time `since_1970` in UTC as `MM-DD-YYYY_HH-MM-SS`.
 fn timestamp(since_1970: Duration) -> String {
     let seconds = since_1970.as_secs();
@@ -184,6 +203,7 @@ mod tests {
         // 10957 days to 2000-01-01, a leap year of a century: 59 more to the 29th of February.
         assert_eq!(at((10_957 + 59) * 86_400 + 3_661), "02-29-2000_01-01-01");
         assert_eq!(at(10_957 * 86_400 - 1), "12-31-1999_23-59-59");
+        assert_eq!(at(253_402_300_799), "12-31-9999_23-59-59");
     }
 
     #[test]

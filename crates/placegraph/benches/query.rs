@@ -8,7 +8,7 @@ use placegraph::geom::Point2;
 use placegraph::grid::{Cell, CellGraph, Grid, GridShape, Occupancy, OccupancyGrid};
 use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::regions::{DiagonalSteps, connected};
-use placegraph::topology::query::{PlaceIndex, find_route};
+use placegraph::topology::query::{PlaceIndex, RouteIndex, find_route};
 use placegraph::topology::{PlaceId, TopologicalMap, build, lay_routes};
 
 /// Rooms on both sides of a corridor of 200 m, walls rough as in a real map.
@@ -53,9 +53,19 @@ fn query(criterion: &mut Criterion) {
     let mut at = points.iter().cycle();
     criterion
         .bench_function("where", |bencher| bencher.iter(|| index.locate(black_box(*at.next().unwrap()))));
+    let routes = RouteIndex::new(&map);
+    let n_places = map.places.len();
+    let mut pair = (0..n_places).map(|i| [i, (i * 61 + 7) % n_places].map(|i| map.places[i].id)).cycle();
+    criterion.bench_function("route", |bencher| {
+        bencher.iter(|| {
+            let [from, to] = pair.next().unwrap();
+            routes.route(black_box(from), to)
+        });
+    });
     let last = map.places.last().map_or(PlaceId(1), |place| place.id);
-    criterion
-        .bench_function("route", |bencher| bencher.iter(|| find_route(&map, black_box(PlaceId(1)), last)));
+    criterion.bench_function("first route", |bencher| {
+        bencher.iter(|| find_route(&map, black_box(PlaceId(1)), last));
+    });
     criterion.bench_function("index", |bencher| {
         bencher.iter(|| PlaceIndex::new(black_box(&map), GridShape::of(&grid)));
     });

@@ -4,7 +4,6 @@
 mod building;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
 
 use building::Building;
 use geojson::{FeatureCollection, GeometryValue};
@@ -19,6 +18,19 @@ const UPRIGHT: Pose2 = Pose2::new(-3.7, 12.3, 0.0);
 
 /// Half the diagonal of a cell and what formats round away.
 const WITHIN_A_CELL_M: f64 = 0.05;
+
+/// A doorway that leads from two rooms into a corridor.
+const THREE_SIDES: &str = "
+    ##############
+    #rrrrrr#ccccc#
+    #rrrrrr#ccccc#
+    #rrrrrddccccc#
+    ######ddccccc#
+    #rrrrrddccccc#
+    #rrrrrr#ccccc#
+    #rrrrrr#ccccc#
+    ##############
+";
 
 fn rmf_info() -> RmfInfo {
     RmfInfo { building: "drawn".into(), level: "L1".into(), drawing: "map.png".into() }
@@ -191,6 +203,38 @@ fn limits_that_a_cell_cannot_hold_are_refused() {
 }
 
 #[test]
+fn a_lane_names_the_door_that_it_crosses() {
+    let building = building::from_drawing(THREE_SIDES, TURNED);
+    let bytes = rmf_nav_graph(&building.map, &building.shape(), &rmf_info()).unwrap();
+    let graph: serde_json::Value = serde_saphyr::from_slice(&bytes).unwrap();
+    let point = |value: &serde_json::Value| [0, 1].map(|axis| value[axis].as_f64().unwrap());
+    let level = &graph["levels"]["L1"];
+    let vertex = |index: &serde_json::Value| &level["vertices"][index.as_u64().unwrap() as usize];
+    let doors = graph["doors"].as_object().unwrap();
+    let (name, door) = doors.iter().next().unwrap();
+    let jambs = [0, 1].map(|end| point(&door["endpoints"][end]));
+    let [mut n_through, mut n_beside] = [0, 0];
+    for lane in level["lanes"].as_array().unwrap() {
+        let ends = [vertex(&lane[0]), vertex(&lane[1])];
+        let crosses = rmf_segments_intersect(point(ends[0]), point(ends[1]), jambs[0], jambs[1]);
+        assert_eq!(lane[2].get("door_name").is_some(), crosses, "{lane}");
+        if ends.iter().all(|end| end[2]["name"].as_str().unwrap().starts_with(&format!("{name}/"))) {
+            *if crosses { &mut n_through } else { &mut n_beside } += 1;
+        }
+    }
+    // Both rooms to the corridor and back through the door; from room to room on its near side.
+    assert_eq!((doors.len(), n_through, n_beside), (1, 4, 2));
+}
+
+/// How RMF's editor decides that a lane leads through a door.
+fn rmf_segments_intersect(a: [f64; 2], b: [f64; 2], c: [f64; 2], d: [f64; 2]) -> bool {
+    let det = (a[0] - b[0]) * (c[1] - d[1]) - (a[1] - b[1]) * (c[0] - d[0]);
+    let t = ((a[0] - c[0]) * (c[1] - d[1]) - (a[1] - c[1]) * (c[0] - d[0])) / det;
+    let u = -((a[0] - b[0]) * (a[1] - c[1]) - (a[1] - b[1]) * (a[0] - c[0])) / det;
+    det.abs() >= 0.01 && (0.0..=1.0).contains(&t) && (0.0..=1.0).contains(&u)
+}
+
+#[test]
 fn yaml_keeps_names_that_look_like_something_else() {
     let mut building = building::drawn(UPRIGHT);
     for (place, name) in
@@ -233,56 +277,6 @@ fn report_input(building: &Building) -> ReportInput<'_> {
         occupancy: Some(&building.grid.cells),
         probability: None,
         findings: &[],
+        provenance: "drawn by hand",
     }
-}
-
-/// Writes the building in every format for the checks in Python, which run on the folder `exports` in the
-/// temporary folder of the target.
-#[test]
-fn every_format_is_written() {
-    for (name, pose) in [("upright", UPRIGHT), ("turned", TURNED)] {
-        let building = building::drawn(pose);
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("exports").join(name);
-        write_all(&building, &folder);
-    }
-}
-
-fn write_all(building: &Building, folder: &Path) {
-    std::fs::create_dir_all(folder).unwrap();
-    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).unwrap();
-    let (map, shape) = (&building.map, &building.shape());
-    write("route_graph.geojson", &nav2_route(map, "map").unwrap());
-    write("regions.geojson", &regions_geojson(map).unwrap());
-    write("graph.graphml", &graphml(map, shape, "map").unwrap());
-    write("graph.dot", dot(map, &building.labels).as_bytes());
-    write("nav_graph.yaml", &rmf_nav_graph(map, shape, &rmf_info()).unwrap());
-    write("drawn.building.yaml", &rmf_building(map, shape, &rmf_info()).unwrap());
-    write("drawn.tmap2.yaml", &tmap2(map, &tmap_info()).unwrap());
-    write("regions.svg", regions_svg(map, &building.labels, shape).as_bytes());
-    write("report.html", report_html(&report_input(building)).unwrap().as_bytes());
-    write("shapes.yaml", &vector_shapes(map, shape, "map", &Keepout::default()).unwrap());
-    let sheet = |name: &str| MaskSheet {
-        image_name: format!("{name}.png"),
-        map_name: format!("{name}.yaml"),
-        ..self::sheet(building, Rotated::Resample)
-    };
-    let masks = [
-        ("keepout", keepout_mask(map, &sheet("keepout"), &Keepout::default())),
-        ("speed", speed_mask(map, &sheet("speed"), &SpeedLimit::default())),
-        ("zones", zone_mask(map, &sheet("zones"), ZonePer::Place)),
-    ];
-    for (name, files) in masks {
-        let files = files.unwrap();
-        write(&format!("{name}.png"), &files.image);
-        write(&format!("{name}.yaml"), &files.map);
-        write(&format!("{name}_params.yaml"), &files.parameters);
-    }
-    let (doorway, center) = known_doorway(building);
-    let place = map.place(doorway).unwrap();
-    let truth = serde_json::json!({
-        "doorway": place.name, "id": doorway.0, "x": center.x, "y": center.y,
-        "cell_m": building.grid.frame.resolution_m(),
-        "zone": map.places.iter().position(|other| other.id == doorway).unwrap() + 1,
-    });
-    write("truth.json", truth.to_string().as_bytes());
 }

@@ -3,10 +3,12 @@
 
 mod building;
 
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
+use petgraph::graph::UnGraph;
 use placegraph::geom::{Point2, Pose2};
-use placegraph::topology::query::{PlaceIndex, Whereabouts, find_place, find_route};
+use placegraph::topology::query::{PlaceIndex, RouteIndex, Whereabouts, find_place, find_route};
 use placegraph::topology::{PlaceId, PlaceRaster};
 use proptest::prelude::*;
 
@@ -47,6 +49,32 @@ fn a_route_names_the_doorways_it_goes_through() {
     assert!((back.length_m - route.length_m).abs() < 1e-9);
     assert_eq!(find_route(&building.map, first, first).unwrap().places, [first]);
     assert!(find_route(&building.map, first, PlaceId(999)).is_none());
+}
+
+#[test]
+fn routes_between_all_places_are_as_short_as_petgraph_finds_them() {
+    let building = building::drawn(Pose2::new(-3.7, 12.3, 0.4));
+    let map = &building.map;
+    let mut graph = UnGraph::<PlaceId, f64>::default();
+    let nodes: BTreeMap<PlaceId, _> = map.places.iter().map(|p| (p.id, graph.add_node(p.id))).collect();
+    for connection in &map.connections {
+        let length_m = connection.route.as_ref().map_or(f64::INFINITY, |route| route.length_m);
+        graph.add_edge(nodes[&connection.a], nodes[&connection.b], length_m);
+    }
+    let index = RouteIndex::new(map);
+    let mut n_routes = 0;
+    for from in map.places.iter().map(|place| place.id) {
+        let lengths = petgraph::algo::dijkstra(&graph, nodes[&from], None, |edge| *edge.weight());
+        for to in map.places.iter().map(|place| place.id) {
+            let route = index.route(from, to).unwrap();
+            assert!((route.length_m - lengths[&nodes[&to]]).abs() < 1e-9, "{from:?} to {to:?}");
+            let line: f64 = route.line.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
+            assert!((line - route.length_m).abs() < 1e-9, "{from:?} to {to:?}");
+            assert_eq!([route.places[0], *route.places.last().unwrap()], [from, to]);
+            n_routes += 1;
+        }
+    }
+    assert!(n_routes > 40);
 }
 
 /// Distance to the nearest outline by looking at every side.

@@ -1,6 +1,7 @@
 //! Many maps in one run: a line each, a table at the end, and what is done stays done.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use anyhow::{Result, ensure};
 use placegraph::export::TopologyDocument;
@@ -23,7 +24,7 @@ pub(crate) fn run(folders: &[PathBuf], setup: &Setup<'_>, args: &MapArgs) -> Res
         counter.begin(&name);
         let result = label(path, folder, setup, args);
         counter.end(&match &result {
-            Ok((Status::Labeled, document)) => format!("{name}: {}", summary(document)),
+            Ok((Status::Labeled(_), document)) => format!("{name}: {}", summary(document)),
             Ok((Status::Kept, document)) => format!("{name}: kept, {}", summary(document)),
             Err(error) => format!("error: {name}: {error:#}"),
         });
@@ -39,8 +40,8 @@ pub(crate) fn run(folders: &[PathBuf], setup: &Setup<'_>, args: &MapArgs) -> Res
 /// How a map got its results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Status {
-    /// In this run.
-    Labeled,
+    /// In this run; how long its stages took, reading and writing files not among them.
+    Labeled(Duration),
     /// In an earlier one.
     Kept,
 }
@@ -59,7 +60,8 @@ fn label(
     }
     let labeled = setup.label(&map, &Watch::without_bar())?;
     setup.files(&map, &labeled)?.commit(folder)?;
-    Ok((Status::Labeled, labeled.document))
+    let time = labeled.timings.iter().map(|(_, time)| *time).sum();
+    Ok((Status::Labeled(time), labeled.document))
 }
 
 /// A row per map, as comma-separated values.
@@ -78,18 +80,16 @@ impl<'a> Table<'a> {
     fn add(&mut self, map: &str, result: &Result<(Status, TopologyDocument)>) {
         let fields = match result {
             Ok((status, document)) => {
-                let status = match status {
-                    Status::Labeled => "labeled",
-                    Status::Kept => "kept",
+                let (status, seconds) = match status {
+                    Status::Labeled(time) => ("labeled", format!("{:.3}", time.as_secs_f64())),
+                    Status::Kept => ("kept", String::new()),
                 };
                 let mut fields = vec![map.to_owned(), status.to_owned(), String::new()];
                 let n_places = |class: &&str| document.places.iter().filter(|p| p.class == **class).count();
                 fields.extend(self.classes.iter().map(|class| n_places(class).to_string()));
                 let area_m2: f64 = document.places.iter().map(|place| place.area_m2).sum();
-                // Of the stages; reading and writing files is not among them.
-                let seconds = document.timings_ms.values().sum::<f64>() / 1e3;
                 let connections = document.connections.len().to_string();
-                fields.extend([connections, format!("{area_m2:.3}"), format!("{seconds:.3}")]);
+                fields.extend([connections, format!("{area_m2:.3}"), seconds]);
                 fields
             }
             Err(error) => {

@@ -106,10 +106,7 @@ fn edge(out: &mut Out, map: &TopologicalMap, connection: &Connection) -> std::io
     out.create_element("edge").with_attributes(ends).write_inner_content(|out| {
         number(out, "edge", "contact_m", connection.contact_m)?;
         connection.route.iter().try_for_each(|route| number(out, "edge", "length_m", route.length_m))?;
-        let doorways =
-            [connection.a, connection.b].into_iter().filter_map(|id| map.place(id)?.doorway.as_ref());
-        let narrowest = doorways.map(|doorway| doorway.width_m).min_by(f64::total_cmp);
-        narrowest.iter().try_for_each(|&width_m| number(out, "edge", "width_m", width_m))
+        map.width_m(connection).iter().try_for_each(|&width_m| number(out, "edge", "width_m", width_m))
     })?;
     Ok(())
 }

@@ -10,7 +10,7 @@ use serde_json::json;
 use super::ExportError;
 use super::geojson::{collection_bytes, position};
 use super::waypoints::{Leg, Waypoint, WaypointKind, waypoints};
-use crate::topology::{Place, TopologicalMap};
+use crate::topology::TopologicalMap;
 
 /// The route graph of `map`, whose coordinates are in the frame `frame_id`.
 ///
@@ -68,7 +68,8 @@ fn node_metadata(node: &Waypoint<'_>) -> JsonValue {
     if node.kind == WaypointKind::Bend {
         return json!({ "class": place.class, "place": place.name, "bend": true });
     }
-    let outline = largest_ring(place);
+    // The metadata has room for one ring.
+    let outline = place.largest_exterior();
     let mut metadata = json!({
         "name": place.name,
         "class": place.class,
@@ -86,21 +87,9 @@ fn node_metadata(node: &Waypoint<'_>) -> JsonValue {
 
 /// The edge is of the class that it leads into: that of its end, or of the doorway it leads through.
 fn edge_metadata(map: &TopologicalMap, leg: &Leg<'_>, to: &Waypoint<'_>, length_m: f64) -> JsonValue {
-    let ends = [leg.connection.a, leg.connection.b].map(|id| map.place(id));
-    let doorway = ends.into_iter().flatten().find_map(|place| place.doorway.as_ref());
     let mut metadata = json!({ "class": to.place.class, "length_m": length_m });
-    if let Some(doorway) = doorway {
-        metadata["width_m"] = json!(doorway.width_m);
+    if let Some(width_m) = map.width_m(leg.connection) {
+        metadata["width_m"] = json!(width_m);
     }
     metadata
-}
-
-/// The exterior of the polygon with the most corners: the metadata has room for one ring.
-fn largest_ring(place: &Place) -> &[crate::geom::Point2] {
-    place
-        .outline
-        .iter()
-        .map(|part| part.exterior.as_slice())
-        .max_by_key(|ring| ring.len())
-        .unwrap_or_default()
 }

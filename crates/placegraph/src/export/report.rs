@@ -3,6 +3,8 @@
 //! The page is a template with a style sheet and a script; what it shows is put in as JSON, pictures as data
 //! addresses. Cost: linear in cells (the pictures) and corners of outlines.
 
+use std::collections::BTreeSet;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::codecs::png::PngEncoder;
@@ -10,10 +12,11 @@ use image::{ExtendedColorType, ImageEncoder};
 use serde_json::{Value, json};
 
 use super::ExportError;
+use super::overlay::drawn_places;
 use crate::geom::Point2;
 use crate::grid::{Grid, GridShape, Occupancy};
 use crate::labels::LabelSet;
-use crate::topology::{Connection, Place, TopologicalMap};
+use crate::topology::{Connection, Place, PlaceId, TopologicalMap};
 
 const TEMPLATE: &str = include_str!("../../assets/report.html");
 
@@ -40,6 +43,8 @@ pub struct ReportInput<'a> {
     pub probability: Option<&'a Grid<f32>>,
     /// What the check of the map found, in plain words.
     pub findings: &'a [String],
+    /// What the result was made with and from, for the foot of the page.
+    pub provenance: &'a str,
 }
 
 /// The page.
@@ -49,6 +54,8 @@ pub struct ReportInput<'a> {
 pub fn report_html(input: &ReportInput<'_>) -> Result<String, ExportError> {
     let occupancy = input.occupancy.map(occupancy_picture).transpose()?;
     let probability = input.probability.map(probability_picture).transpose()?;
+    let drawn: BTreeSet<PlaceId> = drawn_places(input.map).iter().map(|place| place.id).collect();
+    let places = input.map.places.iter().map(|place| place_data(input, place, !drawn.contains(&place.id)));
     let data = json!({
         "title": input.title,
         "frame": input.frame_id,
@@ -59,9 +66,10 @@ pub fn report_html(input: &ReportInput<'_>) -> Result<String, ExportError> {
         "classes": input.labels.classes(),
         "occupancy": occupancy,
         "probability": probability,
-        "places": input.map.places.iter().map(|place| place_data(input, place)).collect::<Vec<_>>(),
+        "places": places.collect::<Vec<_>>(),
         "connections": input.map.connections.iter().map(|c| connection_data(input, c)).collect::<Vec<_>>(),
         "findings": input.findings,
+        "provenance": input.provenance,
     });
     // Inside of a script element only `<` could end it.
     Ok(TEMPLATE.replacen(PLACEHOLDER, &data.to_string().replace('<', "\\u003c"), 1))
@@ -74,7 +82,7 @@ fn on_page(input: &ReportInput<'_>, point: Point2) -> Value {
     json!([hundredth(cells.x), hundredth(input.shape.height as f64 - cells.y)])
 }
 
-fn place_data(input: &ReportInput<'_>, place: &Place) -> Value {
+fn place_data(input: &ReportInput<'_>, place: &Place, is_speck: bool) -> Value {
     let points = |ring: &Vec<Point2>| ring.iter().map(|&point| on_page(input, point)).collect::<Vec<_>>();
     let rings = place.outline.iter().flat_map(|part| std::iter::once(&part.exterior).chain(&part.holes));
     json!({
@@ -83,6 +91,7 @@ fn place_data(input: &ReportInput<'_>, place: &Place) -> Value {
         "class": place.class,
         "probability": place.probability,
         "area_m2": place.area_m2,
+        "speck": is_speck,
         "clearance_m": place.clearance_m,
         "x": place.anchor.x,
         "y": place.anchor.y,

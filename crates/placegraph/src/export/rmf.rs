@@ -1,7 +1,8 @@
 //! Open-RMF: the navigation graph of fleet adapters, and the building file of the traffic editor.
 //!
 //! Lanes are straight, so every bend of a route is a vertex. A doorway becomes one vertex on each of its sides,
-//! lanes between them that name the door, and the door itself from jamb to jamb. Coordinates are meters of the
+//! lanes between them, and a door from jamb to jamb. A lane names the door that it crosses, which is how RMF's own editor
+//! finds out when it makes a navigation graph of a building file. Coordinates are meters of the
 //! map frame, y up.
 
 use std::collections::BTreeMap;
@@ -13,7 +14,7 @@ use super::ExportError;
 use super::yaml::{tenth_mm, xy, yaml_bytes};
 use crate::geom::Point2;
 use crate::grid::GridShape;
-use crate::topology::{Connection, Place, PlaceId, PlaceRaster, TopologicalMap};
+use crate::topology::{Connection, Place, PlaceId, PlaceRaster, TopologicalMap, segments_cross};
 
 /// Names of the building and of its only level.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,16 +37,14 @@ struct Vertex {
 }
 
 /// A straight way, to be driven in both directions.
-struct Lane<'a> {
+struct Lane {
     from: usize,
     to: usize,
-    /// The door it leads through.
-    door: Option<&'a str>,
 }
 
 struct Graph<'a> {
     vertices: Vec<Vertex>,
-    lanes: Vec<Lane<'a>>,
+    lanes: Vec<Lane>,
     /// Name and jambs of the doors.
     doors: Vec<(&'a str, [Point2; 2])>,
 }
@@ -103,7 +102,8 @@ pub fn rmf_nav_graph(
         .iter()
         .map(|vertex| (tenth_mm(vertex.at.x), tenth_mm(vertex.at.y), VertexOptions::named(&vertex.name)));
     let lanes = graph.lanes.iter().flat_map(|lane| {
-        let options = || LaneOptions { speed_limit: 0.0, door_name: lane.door };
+        let door_name = graph.door_on(lane);
+        let options = || LaneOptions { speed_limit: 0.0, door_name };
         [(lane.from, lane.to, options()), (lane.to, lane.from, options())]
     });
     let level = Level { vertices: vertices.collect(), lanes: lanes.collect() };
@@ -288,7 +288,9 @@ impl<'a> Graph<'a> {
             .map(|connection| (connection.other_end(place.id), connection.line_from(place.id)))
             .collect();
         let jambs = place.doorway.as_ref().filter(|_| lines.len() > 1).map(|doorway| doorway.jambs);
-        let Some((jambs, standoff_m)) = jambs.zip(standoff(&lines, raster)) else {
+        let Some((jambs, standoff_m)) =
+            jambs.and_then(|jambs| Some((jambs, standoff(&lines, jambs, raster)?)))
+        else {
             self.vertices.push(Vertex { at: map.station(place), name: place.name.clone() });
             return lines.iter().map(|&(other, _)| (other, self.vertices.len() - 1)).collect();
         };
@@ -301,7 +303,7 @@ impl<'a> Graph<'a> {
         }
         for from in first..self.vertices.len() {
             let others = from + 1..self.vertices.len();
-            self.lanes.extend(others.map(|to| Lane { from, to, door: Some(&place.name) }));
+            self.lanes.extend(others.map(|to| Lane { from, to }));
         }
         lines.iter().enumerate().map(|(side, &(other, _))| (other, first + side)).collect()
     }
@@ -314,20 +316,30 @@ impl<'a> Graph<'a> {
         let mut last = gates[0];
         for &at in &line[1..line.len().max(2) - 1] {
             self.vertices.push(Vertex { at, name: String::new() });
-            self.lanes.push(Lane { from: last, to: self.vertices.len() - 1, door: None });
+            self.lanes.push(Lane { from: last, to: self.vertices.len() - 1 });
             last = self.vertices.len() - 1;
         }
-        self.lanes.push(Lane { from: last, to: gates[1], door: None });
+        self.lanes.push(Lane { from: last, to: gates[1] });
+    }
+
+    /// The door that `lane` crosses.
+    fn door_on(&self, lane: &Lane) -> Option<&'a str> {
+        let [from, to] = [lane.from, lane.to].map(|index| self.vertices[index].at);
+        let crossed = |(_, [a, b]): &&(&str, [Point2; 2])| segments_cross(*a, *b, from, to);
+        self.doors.iter().find(crossed).map(|&(name, _)| name)
     }
 }
 
-/// The first distance from the door at which straight lanes between all its sides run through free cells, at
-/// most half of the shortest line. `None` if there is none.
-fn standoff(lines: &[(PlaceId, Vec<Point2>)], raster: &PlaceRaster) -> Option<f64> {
+/// The first distance from the door at which straight lanes between all its sides run through free cells and one of them crosses
+/// the line between the `jambs`, at most half of the shortest line. `None` if there is none.
+fn standoff(lines: &[(PlaceId, Vec<Point2>)], jambs: [Point2; 2], raster: &PlaceRaster) -> Option<f64> {
     let shortest = lines.iter().map(|(_, line)| length(line)).min_by(f64::total_cmp)?;
     DOOR_STANDOFFS_M.into_iter().filter(|&standoff_m| standoff_m <= 0.5 * shortest).find(|&standoff_m| {
         let gates: Vec<Point2> = lines.iter().map(|(_, line)| trimmed(line, standoff_m)[0]).collect();
-        gates.iter().enumerate().all(|(i, &a)| gates[i + 1..].iter().all(|&b| raster.is_free_between(a, b)))
+        let lanes =
+            || gates.iter().enumerate().flat_map(|(i, &a)| gates[i + 1..].iter().map(move |&b| (a, b)));
+        lanes().all(|(a, b)| raster.is_free_between(a, b))
+            && lanes().any(|(a, b)| segments_cross(jambs[0], jambs[1], a, b))
     })
 }
 

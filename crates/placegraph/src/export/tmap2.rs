@@ -156,8 +156,7 @@ pub fn tmap2(map: &TopologicalMap, info: &TmapInfo) -> Result<Vec<u8>, ExportErr
 
 fn entry<'a>(map: &'a TopologicalMap, place: &'a Place, info: &'a TmapInfo) -> Entry<'a> {
     let station = map.station(place);
-    let outline = place.outline.iter().map(|part| part.exterior.as_slice()).max_by_key(|ring| ring.len());
-    let verts = outline.unwrap_or_default().iter();
+    let verts = place.largest_exterior().iter();
     Entry {
         meta: EntryMeta {
             map: &info.metric_map,

@@ -44,7 +44,8 @@ pub fn build(
         let anchor = graph.cells()[anchors[index]];
         let doorway = (class.role == Role::Doorway).then(|| {
             let anchor = Point2::new(anchor.x as f64 + 0.5, anchor.y as f64 + 0.5);
-            doorway(graph, frame, &neighbors[index], centroids[index], anchor)
+            let is_own = |node: usize| regions.region_of[node].index() == index;
+            doorway(graph, frame, is_own, &neighbors[index], centroids[index], anchor)
         });
         Place {
             id,
@@ -116,6 +117,7 @@ fn neighbors_by_contact(regions: &RegionMap, contacts: &[Contact]) -> Vec<Vec<(R
 fn doorway(
     graph: &CellGraph,
     frame: &MapFrame,
+    is_own: impl Fn(usize) -> bool,
     neighbors: &[(RegionId, Point2)],
     centroid: Point2,
     anchor: Point2,
@@ -125,7 +127,7 @@ fn doorway(
         [(_, border)] => (*border, centroid + (centroid - *border)),
         [(_, border), (_, opposite), ..] => (*border, *opposite),
     };
-    let Opening { width_cells, jambs } = opening(graph, from, to, anchor);
+    let Opening { width_cells, jambs } = opening(graph, is_own, from, to, anchor);
     Doorway {
         width_m: width_cells * frame.resolution_m(),
         jambs: jambs.map(|jamb| frame.map_from_cells(jamb)),

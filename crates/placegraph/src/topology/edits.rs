@@ -21,8 +21,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use super::all_touched;
-use crate::geom::{Point2, Vec2};
+use super::{all_touched, segments_cross};
+use crate::geom::Point2;
 use crate::grid::{Cell, CellGraph, Connectivity, MapFrame};
 use crate::labels::{Label, LabelSet, Role};
 use crate::regions::{Region, RegionId, RegionMap};
@@ -385,11 +385,4 @@ impl Editor<'_> {
             .collect();
         (RegionMap { region_of, regions, diagonal: before.diagonal }, names)
     }
-}
-
-/// Whether the segments `a b` and `c d` cross. A `c` or `d` exactly on the line through `a b` counts as on its
-/// left, so that a chain of cells crosses it once.
-fn segments_cross(a: Point2, b: Point2, c: Point2, d: Point2) -> bool {
-    let left = |from: Point2, along: Vec2, point: Point2| along.cross(point - from) >= 0.0;
-    left(a, b - a, c) != left(a, b - a, d) && left(c, d - c, a) != left(c, d - c, b)
 }

@@ -67,6 +67,20 @@ pub struct Place {
     pub doorway: Option<Doorway>,
 }
 
+impl Place {
+    /// The outer ring of the largest part, for formats that have room for one.
+    pub fn largest_exterior(&self) -> &[Point2] {
+        let rings = self.outline.iter().map(|part| part.exterior.as_slice());
+        rings.max_by(|a, b| ring_area(a).total_cmp(&ring_area(b))).unwrap_or_default()
+    }
+}
+
+/// The area within a ring, positive counter-clockwise.
+fn ring_area(ring: &[Point2]) -> f64 {
+    let next = ring.iter().cycle().skip(1);
+    0.5 * ring.iter().zip(next).map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>()
+}
+
 /// An edge of the topological map: two places that touch.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -147,6 +161,12 @@ impl TopologicalMap {
             if connection.a == place.id { line.first() } else { line.last() }.copied()
         });
         line.unwrap_or(place.anchor)
+    }
+
+    /// The width of the narrower doorway at the ends of `connection`, if one is there.
+    pub fn width_m(&self, connection: &Connection) -> Option<f64> {
+        let places = [connection.a, connection.b].into_iter().filter_map(|id| self.place(id));
+        places.filter_map(|place| Some(place.doorway.as_ref()?.width_m)).min_by(f64::total_cmp)
     }
 
     /// The connections of the place numbered `id`.

@@ -19,4 +19,4 @@ pub(crate) use build::place_id;
 pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
 pub use raster::{PlaceRaster, PlaceSpan};
 pub use routes::{COMFORT_M, lay_routes};
-pub(crate) use segment::all_touched;
+pub(crate) use segment::{all_touched, segments_cross};

@@ -1,6 +1,6 @@
 //! The clear width of a doorway: the shortest line across the way through it, from wall to wall.
 //!
-//! The way through leads from the border with one neighbor to the border with the other. From the cells on
+//! The way through leads from the border with one neighbor to the border with the other. From the doorway's cells on
 //! it and beside it, lines are drawn in every direction within 60 degrees of straight across, and followed
 //! exactly through the grid to the first cell on either side that is not free. The shortest is the opening.
 //! It does not depend on how much of the opening carries the doorway label, on the direction of the walls or
@@ -24,9 +24,15 @@ pub(super) struct Opening {
     pub(super) jambs: [Point2; 2],
 }
 
-/// The narrowest line across the way from `from` to `to`. Where nothing on that way is free, and where both
-/// are one point, lines start at the center `anchor` of a free cell.
-pub(super) fn opening(graph: &CellGraph, from: Point2, to: Point2, anchor: Point2) -> Opening {
+/// The narrowest line across the way from `from` to `to` through cells of the doorway, whose nodes `is_own` tells. Where
+/// that way leads through none of them, and where both ends are one point, lines start at the center `anchor` of one of its cells.
+pub(super) fn opening(
+    graph: &CellGraph,
+    is_own: impl Fn(usize) -> bool,
+    from: Point2,
+    to: Point2,
+    anchor: Point2,
+) -> Opening {
     let way = to - from;
     let length = way.length();
     let (across, max_slant_deg) = if length > 1e-9 {
@@ -34,7 +40,7 @@ pub(super) fn opening(graph: &CellGraph, from: Point2, to: Point2, anchor: Point
     } else {
         (Vec2::new(1.0, 0.0), 90)
     };
-    let mut starts = free_cells_along(graph, from, to);
+    let mut starts = cells_along(graph, is_own, from, to);
     if starts.is_empty() {
         starts.push(anchor);
     }
@@ -57,8 +63,8 @@ pub(super) fn opening(graph: &CellGraph, from: Point2, to: Point2, anchor: Point
     best
 }
 
-/// Centers of the free cells that the way from `from` to `to` passes or touches, from the middle outwards.
-fn free_cells_along(graph: &CellGraph, from: Point2, to: Point2) -> Vec<Point2> {
+/// Centers of the doorway's cells that the way from `from` to `to` passes or touches, from the middle outwards.
+fn cells_along(graph: &CellGraph, is_own: impl Fn(usize) -> bool, from: Point2, to: Point2) -> Vec<Point2> {
     let middle = from.midpoint(to);
     let n = (2.0 * from.distance(to)).ceil() as i32;
     let mut centers = Vec::new();
@@ -66,7 +72,7 @@ fn free_cells_along(graph: &CellGraph, from: Point2, to: Point2) -> Vec<Point2> 
         let on_way = from + (to - from) * (step as f64 / n.max(1) as f64);
         for (dx, dy) in [(-0.5, -0.5), (0.5, -0.5), (-0.5, 0.5), (0.5, 0.5)] {
             let (x, y) = ((on_way.x + dx).floor(), (on_way.y + dy).floor());
-            if free_cell(graph, x as i64, y as i64) {
+            if node_at(graph, x as i64, y as i64).is_some_and(&is_own) {
                 centers.push(Point2::new(x + 0.5, y + 0.5));
             }
         }
@@ -80,9 +86,10 @@ fn free_cells_along(graph: &CellGraph, from: Point2, to: Point2) -> Vec<Point2> 
     centers
 }
 
-fn free_cell(graph: &CellGraph, x: i64, y: i64) -> bool {
+/// The node in column `x` and row `y`, if that is a free cell.
+fn node_at(graph: &CellGraph, x: i64, y: i64) -> Option<usize> {
     let inside = (0..graph.width() as i64).contains(&x) && (0..graph.height() as i64).contains(&y);
-    inside && graph.node_at(Cell::new(x as u32, y as u32)).is_some()
+    inside.then(|| graph.node_at(Cell::new(x as u32, y as u32))).flatten()
 }
 
 /// Distance from the center `start` of a cell along the unit vector `direction` to the first cell that is not free, in cells; any
@@ -103,7 +110,7 @@ fn clear_distance(graph: &CellGraph, start: Point2, direction: Vec2, limit: f64)
             y += step_y;
             next_y += delta_y;
         }
-        if distance >= limit || !free_cell(graph, x, y) {
+        if distance >= limit || node_at(graph, x, y).is_none() {
             return distance;
         }
     }
@@ -132,11 +139,34 @@ mod tests {
         );
         let graph = CellGraph::new(&map.cells);
         // A slanted way still finds the straight line, in the row of the wall.
-        let found = opening(&graph, Point2::new(4.0, 4.0), Point2::new(5.0, 5.0), Point2::new(4.5, 4.5));
+        let (from, to) = (Point2::new(4.0, 4.0), Point2::new(5.0, 5.0));
+        let found = opening(&graph, |_| true, from, to, Point2::new(4.5, 4.5));
         assert!((found.width_cells - 3.0).abs() < 0.02, "{found:?}");
         let mut x = found.jambs.map(|jamb| jamb.x);
         x.sort_by(f64::total_cmp);
         assert!((x[0] - 3.0).abs() < 1e-9 && (x[1] - 6.0).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn a_gap_beside_the_doorway_is_not_its_opening() {
+        // The way from left to right leads through the gap of one cell; the doorway is the three rows on top.
+        let map = OccupancyGrid::from_ascii(
+            1.0,
+            "
+            .....
+            .....
+            .....
+            .???.
+            .....
+            .???.
+            ",
+        );
+        let graph = CellGraph::new(&map.cells);
+        let (from, to) = (Point2::new(0.5, 1.5), Point2::new(4.5, 1.5));
+        let is_own = |node: usize| graph.cells()[node].y >= 3;
+        let found = opening(&graph, is_own, from, to, Point2::new(2.5, 4.5));
+        assert!((found.width_cells - 3.0).abs() < 0.02, "{found:?}");
+        assert!(found.jambs.iter().all(|jamb| jamb.y > 2.9), "{found:?}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
-//! The cells that a straight line touches.
+//! Straight lines: the cells that they touch, and whether they cross.
 
-use crate::geom::Point2;
+use crate::geom::{Point2, Vec2};
 
 /// A line that comes nearer to a cell than this touches it, in cells. Covers what exporters round away and the
 /// way to the map frame and back.
@@ -33,6 +33,13 @@ pub(crate) fn all_touched(a: Point2, b: Point2, mut accept: impl FnMut(i64, i64)
     })
 }
 
+/// Whether the segments `a b` and `c d` cross. A `c` or `d` exactly on the line through `a b` counts as on its
+/// left, so that a chain of cells crosses it once.
+pub(crate) fn segments_cross(a: Point2, b: Point2, c: Point2, d: Point2) -> bool {
+    let left = |from: Point2, along: Vec2, point: Point2| along.cross(point - from) >= 0.0;
+    left(a, b - a, c) != left(a, b - a, d) && left(c, d - c, a) != left(c, d - c, b)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -62,6 +69,18 @@ mod tests {
     #[test]
     fn a_line_along_a_side_touches_both_sides() {
         assert_eq!(touched((0.5, 1.0), (1.5, 1.0)), [(0, 0), (0, 1), (1, 0), (1, 1)]);
+    }
+
+    #[test]
+    fn segments_that_cross_and_that_do_not() {
+        let at = Point2::new;
+        assert!(segments_cross(at(0.0, 0.0), at(2.0, 2.0), at(0.0, 2.0), at(2.0, 0.0)));
+        assert!(!segments_cross(at(0.0, 0.0), at(0.9, 0.9), at(0.0, 2.0), at(2.0, 0.0)));
+        // A chain through a point of the line crosses it once.
+        let [before, on, after] = [at(0.0, 1.0), at(1.0, 1.0), at(2.0, 1.0)];
+        let crossings =
+            [(before, on), (on, after)].map(|(c, d)| segments_cross(at(1.0, 0.0), at(1.0, 3.0), c, d));
+        assert_eq!(crossings.iter().filter(|crosses| **crosses).count(), 1);
     }
 
     #[test]

@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """Opens exported files with the programs that read them, and compares them with one another.
 
-usage: check_exports.py DIR      exit status: number of failed checks
+usage: check_exports.py DIR...      exit status: 1 if a check failed
 
-Every export is optional. Every format that has coordinates must put one doorway within a cell of where topology.json has
-it. Chromium is used where installed; DOT is read by pydot, and by Graphviz where installed.
+Every export is optional. Every format must put one doorway within a cell of where topology.json has it. Chromium is used where
+installed; DOT is read by pydot, and by Graphviz where installed.
 """
 
 import json
 import math
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -23,7 +24,7 @@ import numpy
 import pydot
 import yaml
 from PIL import Image
-from shapely.geometry import Point
+from shapely.geometry import LineString, Point, Polygon
 
 # What the published schema of topological maps asks for.
 TMAP_NODE = {
@@ -80,7 +81,8 @@ class Skipped(Exception):
 class Folder:
     def __init__(self, path):
         self.path = path
-        self.truth = known_doorway(json.loads((path / "topology.json").read_text()))
+        self.document = json.loads((path / "topology.json").read_text())
+        self.truth = known_doorway(self.document)
 
     def file(self, pattern):
         found = sorted(self.path.glob(pattern))
@@ -99,19 +101,29 @@ class Folder:
 
 
 def known_doorway(document):
-    """The first doorway with exactly two ways through it whose opening is in its middle, or None."""
+    """The first doorway with exactly two ways through it that meet in the middle between its jambs, or None."""
     cell_m = document["map"]["resolution_m"]
-    ways = [end for c in document["connections"] if "route" in c for end in (c["a"], c["b"])]
+    routes = [(c, c["route"]["line"]) for c in document["connections"] if "route" in c]
+    stations = [(c[end], line[at]) for c, line in routes for end, at in (("a", 0), ("b", -1))]
     for place in document["places"]:
-        if place["role"] != "doorway" or ways.count(place["id"]) != 2:
+        ends = [station for id, station in stations if id == place["id"]]
+        if place["role"] != "doorway" or len(ends) != 2:
             continue
         ax, ay, bx, by = (jamb[axis] for jamb in place["doorway"]["jambs"] for axis in "xy")
         x, y = (ax + bx) / 2, (ay + by) / 2
-        if math.hypot(x - place["centroid"]["x"], y - place["centroid"]["y"]) < cell_m / 2:
+        if math.hypot(x - ends[0]["x"], y - ends[0]["y"]) < cell_m:
             classes = list(dict.fromkeys(p["class"] for p in document["places"]))
             zone = classes.index(place["class"]) + 1
-            return {"doorway": place["name"], "id": place["id"], "x": x, "y": y, "cell_m": cell_m, "zone": zone}
+            truth = {"doorway": place["name"], "id": place["id"], "x": x, "y": y, "cell_m": cell_m, "zone": zone}
+            return truth | {"centroid": place["centroid"]}
     return None
+
+
+def frames(folder):
+    if not folder.truth:
+        raise Skipped("no doorway to compare the formats by")
+    origin = folder.document["map"]["origin"]
+    return f"{folder.truth['doorway']}, map origin {origin['x']:.2f}, {origin['y']:.2f}, turned by {origin['yaw_rad']:.2f}"
 
 
 def nav2(folder):
@@ -119,6 +131,8 @@ def nav2(folder):
     nodes, edges = {}, {}
     for feature in graph["features"]:
         properties = feature["properties"]
+        assert type(properties.get("frame", "map")) is str
+        assert all(math.isfinite(v) for v in numpy.ravel(feature["geometry"]["coordinates"]))
         numbers_are_floats(properties["metadata"])
         assert type(properties["id"]) is int and 0 <= properties["id"] < 2**31 - 1
         target = nodes if feature["geometry"]["type"] == "Point" else edges
@@ -166,7 +180,9 @@ def graphml(folder):
     if folder.truth:
         doorway = graph.nodes[str(folder.truth["id"])]
         assert doorway["name"] == folder.truth["doorway"]
-        folder.near_truth(doorway["x"], doorway["y"])
+        # Its coordinates are those of the centroid.
+        x, y = (folder.truth[axis] + doorway[axis] - folder.truth["centroid"][axis] for axis in "xy")
+        folder.near_truth(x, y)
     return f"{graph.number_of_nodes()} nodes, {graph.number_of_edges()} edges"
 
 
@@ -178,6 +194,10 @@ def dot(folder):
     graph = networkx.read_graphml(folder.file("graph.graphml"))
     assert edges == {tuple(sorted((int(a), int(b)))) for a, b in graph.edges}
     assert nodes == {int(node): values["class"] for node, values in graph.nodes(data=True)}
+    if folder.truth:
+        (doorway,) = drawn.get_node(str(folder.truth["id"]))
+        # 36 points a meter.
+        folder.near_truth(*(float(v) / 36 for v in doorway.get("pos").strip('"!').split(",")))
     if shutil.which("dot"):
         subprocess.run(["dot", "-Tjson0", file], check=True, capture_output=True)
     return f"{len(nodes)} nodes, {len(edges)} edges"
@@ -192,9 +212,15 @@ def rmf_nav_graph(folder):
         flags = ("is_charger", "is_holding_point", "is_parking_spot")
         assert isinstance(options["name"], str) and all(type(options[flag]) is bool for flag in flags)
     assert all(set(door) == {"endpoints", "map"} and door["map"] in graph["levels"] for door in graph["doors"].values())
+    crossings = set()
     for start, end, options in level["lanes"]:
         assert start != end and max(start, end) < len(level["vertices"])
-        assert options.get("door_name") is None or options["door_name"] in graph["doors"]
+        ends = LineString([level["vertices"][index][:2] for index in (start, end)])
+        crossed = [name for name, door in graph["doors"].items() if ends.crosses(LineString(door["endpoints"]))]
+        # RMF's editor finds a lane's door by this rule when it makes a navigation graph of a building.
+        assert options.get("door_name") in (crossed or [None]), (options, crossed)
+        crossings.update(crossed)
+    assert crossings == set(graph["doors"]), f"no lane through {set(graph['doors']) - crossings}"
     if folder.truth:
         (ax, ay), (bx, by) = graph["doors"][folder.truth["doorway"]]["endpoints"]
         folder.near_truth((ax + bx) / 2, (ay + by) / 2)
@@ -214,6 +240,8 @@ def rmf_building(folder):
         (door,) = [d for d in level["doors"] if d[2]["name"][1] == folder.truth["doorway"]]
         ends = [level["vertices"][i] for i in door[:2]]
         folder.near_truth(sum(e[0] for e in ends) / 2, sum(e[1] for e in ends) / 2)
+        floors = [Polygon([level["vertices"][i][:2] for i in floor["vertices"]]) for floor in level["floors"]]
+        assert any(floor.contains(Point(folder.truth["x"], folder.truth["y"])) for floor in floors)
     return f"{len(level['vertices'])} vertices, {len(level['doors'])} doors, {len(level['floors'])} floors"
 
 
@@ -265,17 +293,37 @@ def shapes(folder):
         shape = server[name]
         assert shape["type"] == "polygon" and len(shape["points"]) >= 6 and len(shape["points"]) % 2 == 0
         assert all(type(v) is float for v in shape["points"])
+        if folder.truth and name.startswith(f"place_{folder.truth['id']}_"):
+            corners = numpy.reshape(shape["points"], (-1, 2))
+            assert Polygon(corners).contains(Point(folder.truth["x"], folder.truth["y"]))
     return f"{len(server['shapes'])} shapes"
+
+
+def svg(folder):
+    text = folder.file("regions.svg").read_text()
+    paths = dict(re.findall(r'<path id="place-(\d+)"[^>]* d="([^"]*)"', text))
+    assert len(paths) == len(folder.document["places"])
+    if folder.truth:
+        origin, height = folder.document["map"]["origin"], float(re.search(r'viewBox="0 0 \S+ (\S+)"', text)[1])
+        corners = [tuple(map(float, corner.split())) for corner in re.split("[MLZ]", paths[str(folder.truth["id"])]) if corner]
+        # Drawn along the grid, 40 pixels a meter, with a margin of 20.
+        grid = [((x - 20) / 40, (height - y - 20) / 40) for x, y in corners]
+        cos, sin = math.cos(origin["yaw_rad"]), math.sin(origin["yaw_rad"])
+        drawn = Polygon([(origin["x"] + u * cos - w * sin, origin["y"] + u * sin + w * cos) for u, w in grid])
+        assert drawn.contains(Point(folder.truth["x"], folder.truth["y"]))
+    return f"{len(paths)} places"
 
 
 REPORT_PROBE = """
 <script>
 window.addEventListener("error", (event) => document.body.setAttribute("data-error", event.message));
 addEventListener("load", () => {
+  document.getElementById("show-specks").click();
   const rows = document.querySelectorAll("#places tbody tr").length;
   const hits = document.querySelectorAll(".hit").length;
   document.getElementById("show-graph").click();
   const hidden = document.getElementById("layer-graph").style.display;
+  document.getElementById("show-graph").click();
   const before = document.getElementById("map").getAttribute("viewBox");
   document.getElementById("map").dispatchEvent(new KeyboardEvent("keydown", { key: "+" }));
   const zoomed = before !== document.getElementById("map").getAttribute("viewBox");
@@ -288,7 +336,14 @@ addEventListener("load", () => {
   const inside = (at) => document.elementsFromPoint(at.clientX, at.clientY).some((node) => node.dataset?.id);
   document.getElementById("map").dispatchEvent(new PointerEvent("pointermove", middles.find(inside)));
   const tip = document.getElementById("tip").textContent;
-  document.body.setAttribute("data-probe", JSON.stringify({ rows, hits, hidden, zoomed, chosen, tip }));
+  const doorway = document.querySelector('.node[data-id="@DOORWAY@"]')?.getBoundingClientRect();
+  if (doorway) {
+    const middle = { clientX: doorway.x + doorway.width / 2, clientY: doorway.y + doorway.height / 2 };
+    document.getElementById("map").dispatchEvent(new PointerEvent("pointermove", middle));
+  }
+  const at = document.getElementById("at").textContent;
+  const doorwayTip = document.getElementById("tip").textContent;
+  document.body.setAttribute("data-probe", JSON.stringify({ rows, hits, hidden, zoomed, chosen, tip, at, doorwayTip }));
 });
 </script>
 """
@@ -303,7 +358,8 @@ def report(folder):
         raise Skipped("no Chromium")
     with tempfile.TemporaryDirectory() as scratch:
         page = pathlib.Path(scratch, "report.html")
-        page.write_text(html.replace("<script type=", REPORT_PROBE + "<script type=", 1))
+        probe = REPORT_PROBE.replace("@DOORWAY@", str(folder.truth["id"] if folder.truth else 0))
+        page.write_text(html.replace("<script type=", probe + "<script type=", 1))
         flags = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={scratch}/profile",
                  "--window-size=1400,1000", "--virtual-time-budget=4000", "--dump-dom"]
         done = subprocess.run([browser, *flags, page.as_uri()], check=True, capture_output=True, timeout=120)
@@ -313,10 +369,14 @@ def report(folder):
     probe = json.loads(dom.split('data-probe="', 1)[1].split('"', 1)[0].replace("&quot;", '"'))
     assert probe["rows"] == probe["hits"] > 0 and probe["hidden"] == "none", probe
     assert probe["zoomed"] and probe["chosen"] >= 2 and "probability" in probe["tip"], probe
-    return f"{probe['rows']} places in Chromium"
+    if folder.truth:
+        assert folder.truth["doorway"] in probe["doorwayTip"], probe
+        folder.near_truth(*map(float, re.match(r"(-?[\d.]+), (-?[\d.]+) m", probe["at"]).groups()))
+    return f"{probe['rows']} places"
 
 
 CHECKS = {
+    "frames": frames,
     "Nav2 route graph": nav2,
     "GeoJSON in GeoPandas": geojson,
     "GraphML in NetworkX": graphml,
@@ -328,12 +388,22 @@ CHECKS = {
     "speed mask": mask("speed"),
     "zone mask": mask("zones"),
     "vector shapes": shapes,
+    "SVG": svg,
     "report in Chromium": report,
 }
 
 
-def main(path):
-    folder = Folder(pathlib.Path(path))
+def main(paths):
+    failed = 0
+    for path in paths:
+        print(path)
+        failed += run_checks(Folder(pathlib.Path(path)))
+    if len(paths) > 1:
+        print(f"{failed} checks failed in {len(paths)} folders")
+    return failed
+
+
+def run_checks(folder):
     failed = 0
     for name, check in CHECKS.items():
         try:
@@ -347,4 +417,4 @@ def main(path):
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1]))
+    sys.exit(main(sys.argv[1:]) > 0)
