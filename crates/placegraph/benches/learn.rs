@@ -6,12 +6,13 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use placegraph::boost::{CompiledClassifiers, Scores, SortedTable, adaboost, search_order, table_scores};
+use placegraph::boost::{CompiledClassifiers, Scores, adaboost, search_order, table_scores};
 use placegraph::features::{FeatureId, FeatureTable};
 use placegraph::grid::{CellGraph, Grid, Occupancy};
 use placegraph::labels::{Label, LabelField};
 use placegraph::progress::Silent;
 use placegraph::relax::{Compatibility, RelaxConfig, relax};
+use placegraph_testkit::boost::{largest_edge_by_sorting, sorted_columns};
 
 /// Cells of the left half of a building at 5 cm.
 const N_EXAMPLES: usize = 65_000;
@@ -40,17 +41,35 @@ fn examples() -> (FeatureTable, Vec<Label>) {
     (FeatureTable::from_columns(columns, N_EXAMPLES, values), (0..N_EXAMPLES).map(label).collect())
 }
 
+/// Writes the examples for `peers/boosting.py` to the folder named by `PLACEGRAPH_DUMP`.
+fn dump(table: &FeatureTable, labels: &[Label]) {
+    let Ok(folder) = std::env::var("PLACEGRAPH_DUMP") else { return };
+    let columns = (0..table.columns().len()).flat_map(|column| table.column(column));
+    let values: Vec<u8> = columns.flat_map(|value| value.to_le_bytes()).collect();
+    std::fs::write(format!("{folder}/boost.values"), values).unwrap();
+    let labels: Vec<u8> = labels.iter().map(|label| label.0).collect();
+    std::fs::write(format!("{folder}/boost.labels"), labels).unwrap();
+}
+
 fn boosting(c: &mut Criterion) {
     let (table, labels) = examples();
+    dump(&table, &labels);
     let rows: Vec<u32> = (0..N_EXAMPLES as u32).collect();
     let mut group = c.benchmark_group("boost");
     group.sample_size(10);
-    group.bench_function("sort 65k x 203", |b| b.iter(|| SortedTable::new(&table, rows.clone())));
-    let sorted = SortedTable::new(&table, rows.clone());
-    group.bench_function("100 rounds, 65k x 203, 3 classes", |b| {
-        b.iter(|| adaboost(&sorted, &labels, 3, black_box(100), &Silent).unwrap());
+    for n_rounds in [1, 101] {
+        group.bench_function(format!("rounds: {n_rounds}, 65k x 203, 3 classes"), |b| {
+            b.iter(|| adaboost(&table, &rows, &labels, 3, black_box(n_rounds), &Silent).unwrap());
+        });
+    }
+    let sorted = sorted_columns(&table);
+    let (positive, weights): (Vec<bool>, Vec<f64>) =
+        labels.iter().map(|&label| (label == Label(0), 1.0 / N_EXAMPLES as f64)).unzip();
+    group.bench_function("plain search of one round, 65k x 203, 1 class", |b| {
+        b.iter(|| largest_edge_by_sorting(&table, &sorted, &positive, &weights));
     });
-    let classifiers = CompiledClassifiers::new(&adaboost(&sorted, &labels, 3, 300, &Silent).unwrap());
+    let classifiers = adaboost(&table, &rows, &labels, 3, 300, &Silent).unwrap();
+    let classifiers = CompiledClassifiers::new(&classifiers);
     group.bench_function("scores of 65k cells, 3 x 300 stumps", |b| {
         b.iter(|| table_scores(&table, &rows, &classifiers));
     });

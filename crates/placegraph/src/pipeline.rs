@@ -1,11 +1,13 @@
 //! The chapter as one function: a map and a model in, labels, regions and the topological map out.
 
+use std::collections::BTreeSet;
+
 use crate::doorways::{self, DoorwayConfig};
 use crate::grid::{CellGraph, GridShape, OccupancyGrid};
 use crate::labels::{LabelField, Labeling};
-use crate::model::{Labeled, Model};
+use crate::model::{Labeled, Method, Model};
 use crate::progress::{Progress, Stage};
-use crate::regions::{DiagonalSteps, RegionMap, connected, correct};
+use crate::regions::{DiagonalSteps, RegionId, RegionMap, connected, correct, islands, label_islands};
 use crate::spaces::{self, SpaceConfig};
 use crate::topology::edits::{self, Edit, Edited, NotApplied};
 use crate::topology::identity::{CarriedOver, Change, carry_over};
@@ -61,8 +63,8 @@ pub struct Analysis {
     pub labeling: Labeling,
     /// The topological map of the regions.
     pub topology: TopologicalMap,
-    /// Number of every region's place.
-    pub place_ids: Vec<PlaceId>,
+    /// Number of every region's place; `None` for an [island](crate::regions::islands()), which is none.
+    pub place_ids: Vec<Option<PlaceId>>,
     /// What became of every edit.
     pub edit_outcomes: Vec<Result<(), NotApplied>>,
     /// What changed since the earlier result; empty without one.
@@ -81,14 +83,21 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
     if config.doorways == Doorways::Mark {
         let (label_set, config) = (&model.label_set, DoorwayConfig::default());
         labeling = doorways::mark(&graph, resolution_m, &smoothed, &labeling, label_set, &config);
-        labeling =
-            spaces::settle(&graph, resolution_m, &smoothed, &labeling, label_set, &SpaceConfig::default());
+        // A network learns its node scores together with its edges; alone they say little.
+        let evidence = match &model.method {
+            Method::Boosted(_) => &classified,
+            Method::Iamn(_) => &smoothed,
+        };
+        let config = SpaceConfig::default();
+        labeling = spaces::settle(&graph, resolution_m, evidence, &labeling, label_set, &config);
     }
     let found = connected(&graph, &labeling, DiagonalSteps::default());
+    let min_island_m2 = model.thresholds.min_island_m2;
     let corrected = match config.correction {
         Correction::Skip => found,
         Correction::Apply => {
-            correct(&graph, resolution_m, &found, &model.label_set, &model.thresholds).regions
+            let regions = correct(&graph, resolution_m, &found, &model.label_set, &model.thresholds).regions;
+            label_islands(&graph, &regions, &islands(&graph, resolution_m, &regions, min_island_m2))
         }
     };
     let Edited { regions, names, outcomes } =
@@ -96,13 +105,19 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
     let labeling = regions.labeling();
 
     progress.begin(Stage::Topology);
-    let built = topology::build(&graph, &map.frame, &smoothed, &regions, &model.label_set);
+    let mut built = topology::build(&graph, &map.frame, &smoothed, &regions, &model.label_set);
+    if config.correction == Correction::Apply {
+        let islands = islands(&graph, resolution_m, &regions, min_island_m2);
+        let ids: BTreeSet<PlaceId> = islands.into_iter().map(topology::place_id).collect();
+        built.places.retain(|place| !ids.contains(&place.id));
+    }
     let names = names.into_iter().map(|(region, name)| (topology::place_id(region), name)).collect();
     let CarriedOver { map: topology, renumbered, changes } = match &config.previous {
         Some(previous) => carry_over(&built, GridShape::of(map), previous, &names),
-        None => CarriedOver::first(built, &names),
+        None => CarriedOver::first(&built, &names),
     };
-    let place_ids = renumbered.into_values().collect();
+    let number = |region| renumbered.get(&topology::place_id(RegionId(region as u32))).copied();
+    let place_ids = (0..regions.regions.len()).map(number).collect();
     Analysis {
         graph,
         classified,

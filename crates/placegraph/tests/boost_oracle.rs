@@ -2,18 +2,19 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use placegraph::boost::{
-    CompiledClassifiers, DecisionList, Scores, SortedTable, StrongClassifier, adaboost, search_order,
-    table_scores,
+    CompiledClassifiers, DecisionList, Scores, StrongClassifier, adaboost, search_order, table_scores,
 };
 use placegraph::features::{FeatureId, FeatureTable};
 use placegraph::labels::Label;
 use placegraph::progress::Silent;
-use placegraph_testkit::boost::{edge, largest_edge, weights_of_rounds};
+use placegraph_testkit::boost::{
+    edge, largest_edge, largest_edge_by_sorting, sorted_columns, weights_of_rounds,
+};
 use proptest::prelude::*;
 
 fn boost(table: &FeatureTable, labels: &[Label], n_labels: usize, rounds: usize) -> Vec<StrongClassifier> {
-    let sorted = SortedTable::new(table, (0..labels.len() as u32).collect());
-    adaboost(&sorted, labels, n_labels, rounds, &Silent).unwrap()
+    let rows: Vec<u32> = (0..labels.len() as u32).collect();
+    adaboost(table, &rows, labels, n_labels, rounds, &Silent).unwrap()
 }
 
 /// Tables of few different values, so that ties and equal neighbors abound; every class occurs.
@@ -116,6 +117,37 @@ proptest! {
             let present: Vec<usize> = (0..4).filter(|&k| confusion[k].iter().sum::<usize>() > 0).collect();
             let macro_f1 = present.iter().map(|&k| f1(k)).sum::<f64>() / present.len() as f64;
             prop_assert!((order.macro_f1 - macro_f1).abs() < 1e-12);
+        }
+    }
+}
+
+/// Columns of many values, of few values, of one frequent value and many rare ones, and a copy: every way in which bins
+/// can lie. Six classes do not fit the four lanes of a pass.
+#[test]
+fn the_best_stump_is_found_inside_bins_too() {
+    let n = 6000;
+    let noise = |seed: usize, row: usize| {
+        let x = (row as u64 * 6 + seed as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        ((x ^ x >> 29).wrapping_mul(0xBF58_476D_1CE4_E5B9) >> 40) as f32 / 16_777_216.0
+    };
+    let column = |c: usize, row: usize| match c {
+        0 | 5 => noise(0, row),
+        1 => (noise(1, row) * 9.0).floor(),
+        2 => (noise(2, row) - 0.8).max(0.0),
+        3 => noise(3, row) + noise(0, row),
+        _ => -noise(4, row) * noise(2, row),
+    };
+    let values = (0..6).flat_map(|c| (0..n).map(move |row| column(c, row))).collect();
+    let table = FeatureTable::from_columns((0..6).map(FeatureId).collect(), n, values);
+    let sum = |row: usize| noise(0, row) + noise(2, row) + 0.2 * noise(5, row);
+    let labels: Vec<Label> = (0..n).map(|row| Label((sum(row) * 2.7) as u8)).collect();
+    let sorted = sorted_columns(&table);
+    for (k, classifier) in boost(&table, &labels, 6, 30).iter().enumerate() {
+        let positive: Vec<bool> = labels.iter().map(|label| label.index() == k).collect();
+        for (w, weights) in classifier.stumps.iter().zip(weights_of_rounds(&table, classifier, &positive)) {
+            let r = edge(&table, &w.stump, &positive, &weights);
+            let best = largest_edge_by_sorting(&table, &sorted, &positive, &weights);
+            assert!((r - best).abs() < 1e-9, "class {k}: {r} {best}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The chapter's three experiments (Sect. 4.8) on hand-labeled maps of its buildings: trained on the left halves, and
 //! not below the share of cells that Table 4.1 and Sect. 4.8 report for the classifier alone. After all stages it is
-//! the chapter's share on building 52 and SDR site B; on building 79 it is 98.5 % (the chapter: 98.95 %).
+//! not below the chapter's share either.
 //!
 //! Reads the folder named by `PLACEGRAPH_DATA`; without it the tests are skipped. No setting was chosen by these
 //! results: everything is a default, except that large classes are thinned to keep the test short.
@@ -72,7 +72,7 @@ fn short() -> TrainConfig {
 fn building_79_left_to_right() {
     let Some(map) = labeled_map("fr79_slam", Some(350)) else { return };
     let (classified, corrected) = experiment(std::slice::from_ref(&map), &map, 350, &short());
-    assert!(classified >= 0.973 && corrected >= 0.985, "{classified}, {corrected}");
+    assert!(classified >= 0.973 && corrected >= 0.9895, "{classified}, {corrected}");
 }
 
 #[test]

@@ -41,14 +41,15 @@ fn a_region_image_has_16_bits_and_says_when_they_do_not_do() {
         regions: vec![region; n],
         diagonal: DiagonalSteps::default(),
     };
-    let up_to = |n: u32| -> Vec<PlaceId> { (1..=n).map(PlaceId).collect() };
+    let up_to = |n: u32| -> Vec<Option<PlaceId>> { (1..=n).map(|id| Some(PlaceId(id))).collect() };
     let png = region_png(&graph, &regions(300), &up_to(300)).unwrap();
     assert_eq!(read_rooms(&png, (3, 2)).unwrap().values(), [0, 1, 0, 300, 2, 0]);
     let mut place_ids = up_to(300);
-    place_ids[1] = PlaceId(65535);
+    place_ids[0] = None;
+    place_ids[1] = Some(PlaceId(65535));
     let png = region_png(&graph, &regions(300), &place_ids).unwrap();
-    assert_eq!(read_rooms(&png, (3, 2)).unwrap().values(), [0, 1, 0, 300, 65535, 0]);
-    place_ids[1] = PlaceId(65536);
+    assert_eq!(read_rooms(&png, (3, 2)).unwrap().values(), [0, 0, 0, 300, 65535, 0]);
+    place_ids[1] = Some(PlaceId(65536));
     let refused = region_png(&graph, &regions(300), &place_ids);
     assert_eq!(refused, Err(RasterError::TooManyRegions { found: 65536 }));
 }

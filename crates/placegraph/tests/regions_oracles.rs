@@ -97,7 +97,7 @@ proptest! {
         min_doorway_m2 in 0.0..15.0f64,
         min_doorway_neighbors in 0usize..4,
     ) {
-        let thresholds = Thresholds { min_place_m2, min_doorway_m2, min_doorway_neighbors };
+        let thresholds = Thresholds { min_place_m2, min_doorway_m2, min_doorway_neighbors, min_island_m2: 0.0 };
         let regions = connected(&map.graph, &map.labels, diagonal);
         let found = correct(&map.graph, 1.0, &regions, &label_set(), &thresholds);
         let (expected, n_places, n_doorways) =

@@ -1,15 +1,17 @@
 //! Generalized AdaBoost with decision stumps, one strong classifier per class against all others (Fig. 4.2).
 //!
-//! Cost O(L n log n) once for the sorted columns, then O(L n) a round for every four classes.
+//! Cost O(L n log n) once to sort the columns, then O(L n) a round for every four classes; memory 5 bytes per example
+//! and feature beside the table.
 //!
 //! **Deviations**: α has 10⁻⁷ added above and below, so that a perfect stump gets a finite vote; boosting stops
 //! after such a stump and when no stump beats chance; both cases are open in Fig. 4.2.
 
 use rayon::prelude::*;
 
-use super::sorted_table::SortedTable;
+use super::sorted_examples::SortedExamples;
 use super::stump::{StrongClassifier, WeightedStump};
-use super::stump_search::{BestStump, LANES, SignedWeights, best_stumps, to_units};
+use super::stump_search::{BestStump, Group, LANES, best_stumps, from_units, to_units};
+use crate::features::FeatureTable;
 use crate::labels::Label;
 use crate::progress::Progress;
 
@@ -45,25 +47,32 @@ struct Boosting {
 
 /// Learns a strong classifier of at most `n_rounds` stumps for each of `n_labels` classes.
 ///
-/// `labels` are the classes of the examples of `sorted`, in their order. The classifiers are nested: the first t
-/// stumps are what t rounds give.
+/// Examples are the rows `rows` of `table`, of the classes `labels`. The classifiers are nested: the first t stumps are
+/// what t rounds give.
 ///
 /// # Errors
 /// If a class has no example, or has all of them.
+///
+/// # Panics
+/// If there is not one label per row.
 pub fn adaboost(
-    sorted: &SortedTable<'_>,
+    table: &FeatureTable,
+    rows: &[u32],
     labels: &[Label],
     n_labels: usize,
     n_rounds: usize,
     progress: &dyn Progress,
 ) -> Result<Vec<StrongClassifier>, AdaBoostError> {
+    assert_eq!(rows.len(), labels.len(), "one label per row");
+    let examples = SortedExamples::new(table, rows, labels, n_labels);
     let classes = (0..n_labels as u8).map(Label);
-    let mut classes = classes.map(|label| Boosting::new(label, labels)).collect::<Result<Vec<_>, _>>()?;
+    let mut classes = classes.map(|label| Boosting::new(label, &examples)).collect::<Result<Vec<_>, _>>()?;
     for round in 0..n_rounds {
-        for group in classes.chunks_mut(LANES) {
-            let best = best_stumps(sorted, &signed_weights(group, labels));
-            group.par_iter_mut().zip(best).filter(|(class, _)| !class.done).for_each(|(class, best)| {
-                class.add(best, sorted, labels);
+        for (group, classes) in classes.chunks_mut(LANES).enumerate() {
+            let weights = classes.iter().map(|class| (!class.done).then_some(&*class.weights)).collect();
+            let best = best_stumps(&examples, &Group { first_class: group * LANES, weights });
+            classes.par_iter_mut().zip(best).filter(|(class, _)| !class.done).for_each(|(class, best)| {
+                class.add(best, &examples);
             });
         }
         progress.advance(round + 1, n_rounds);
@@ -76,20 +85,21 @@ pub fn adaboost(
 
 impl Boosting {
     /// Weights that give half of the mass to the class and half to all others.
-    fn new(label: Label, labels: &[Label]) -> Result<Self, AdaBoostError> {
-        let positive = labels.iter().filter(|&&y| y == label).count();
-        let negative = labels.len() - positive;
+    fn new(label: Label, examples: &SortedExamples<'_>) -> Result<Self, AdaBoostError> {
+        let is_positive = &examples.of_class()[label.index()];
+        let (positive, negative) = (is_positive.len(), examples.n_examples() - is_positive.len());
         if positive == 0 || negative == 0 {
             return Err(AdaBoostError::OneSided { label, positive, negative });
         }
         // Fig. 4.2: D_1(n) = 1 / 2l for the l positive examples, 1 / 2m for the m negative ones.
         let (of_positive, of_negative) = (0.5 / positive as f64, 0.5 / negative as f64);
-        let weights = labels.iter().map(|&y| if y == label { of_positive } else { of_negative }).collect();
+        let weight = |n| if is_positive.contains(&n) { of_positive } else { of_negative };
+        let weights = (0..examples.n_examples()).map(weight).collect();
         Ok(Self { label, weights, classifier: StrongClassifier::default(), done: false })
     }
 
     /// One round: takes the best stump into the vote and moves weight to the examples that it gets wrong.
-    fn add(&mut self, best: Option<BestStump>, sorted: &SortedTable<'_>, labels: &[Label]) {
+    fn add(&mut self, best: Option<BestStump>, examples: &SortedExamples<'_>) {
         let Some(BestStump { column, stump, edge: r }) = best.filter(|best| best.edge >= MIN_EDGE) else {
             self.done = true;
             return;
@@ -100,26 +110,17 @@ impl Boosting {
         self.done = r >= PERFECT_EDGE;
         // Fig. 4.2: D_{t+1}(n) = D_t(n) e^(−α y h), then Σ D = 1.
         let (right, wrong) = ((-alpha).exp(), alpha.exp());
-        let mut sum = 0.0;
-        for ((weight, value), &y) in self.weights.iter_mut().zip(sorted.values(column)).zip(labels) {
-            *weight *= if stump.says_yes(value) == (y == self.label) { right } else { wrong };
-            sum += *weight;
+        let positive = &examples.of_class()[self.label.index()];
+        let mut sum = 0;
+        for ((n, weight), value) in self.weights.iter_mut().enumerate().zip(examples.values(column)) {
+            *weight *= if stump.says_yes(value) == positive.contains(&n) { right } else { wrong };
+            sum += to_units(*weight);
         }
+        let sum = from_units(sum);
         for weight in &mut self.weights {
             *weight /= sum;
         }
     }
-}
-
-/// D(n) y(n) of up to four classes side by side; a class that is done, or missing, has weight 0.
-fn signed_weights(group: &[Boosting], labels: &[Label]) -> Vec<SignedWeights> {
-    let mut signed = vec![SignedWeights::default(); labels.len()];
-    for (lane, class) in group.iter().enumerate().filter(|(_, class)| !class.done) {
-        for ((signed, &weight), &y) in signed.iter_mut().zip(&class.weights).zip(labels) {
-            signed.0[lane] = if y == class.label { to_units(weight) } else { -to_units(weight) };
-        }
-    }
-    signed
 }
 
 #[cfg(test)]
@@ -131,8 +132,8 @@ mod tests {
 
     fn boost(table: &FeatureTable, labels: &[u8], n_rounds: usize) -> Vec<StrongClassifier> {
         let labels: Vec<Label> = labels.iter().copied().map(Label).collect();
-        let sorted = SortedTable::new(table, (0..labels.len() as u32).collect());
-        adaboost(&sorted, &labels, 2, n_rounds, &Silent).unwrap()
+        let rows: Vec<u32> = (0..labels.len() as u32).collect();
+        adaboost(table, &rows, &labels, 2, n_rounds, &Silent).unwrap()
     }
 
     fn stump(threshold: f32, polarity: Polarity) -> DecisionStump {
@@ -196,8 +197,7 @@ mod tests {
     #[test]
     fn a_class_without_examples_is_refused() {
         let table = FeatureTable::from_columns(vec![FeatureId(0)], 2, vec![1.0, 2.0]);
-        let sorted = SortedTable::new(&table, vec![0, 1]);
-        let found = adaboost(&sorted, &[Label(0); 2], 2, 1, &Silent);
+        let found = adaboost(&table, &[0, 1], &[Label(0); 2], 2, 1, &Silent);
         assert_eq!(found, Err(AdaBoostError::OneSided { label: Label(0), positive: 2, negative: 0 }));
     }
 }

@@ -4,7 +4,7 @@ mod adaboost;
 mod decision_list;
 mod order_search;
 mod scores;
-mod sorted_table;
+mod sorted_examples;
 mod stump;
 mod stump_search;
 
@@ -12,5 +12,4 @@ pub use adaboost::{AdaBoostError, MIN_EDGE, PERFECT_EDGE, adaboost};
 pub use decision_list::{DecisionList, P_FLOOR};
 pub use order_search::{OrderScore, search_order};
 pub use scores::{CompiledClassifiers, Scores, cell_scores, table_scores};
-pub use sorted_table::SortedTable;
 pub use stump::{DecisionStump, Polarity, StrongClassifier, WeightedStump, confidence};

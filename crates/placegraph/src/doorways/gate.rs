@@ -106,7 +106,7 @@ fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: i64) -> Opt
 
 /// The gate with its depth: how far the passage stays as narrow, at most `max_depth` cells in all. `center`
 /// moves to the middle of the narrow part.
-fn with_depth(graph: &CellGraph, gate: Gate, max_depth: f64) -> Option<Gate> {
+pub(super) fn with_depth(graph: &CellGraph, gate: Gate, max_depth: f64) -> Option<Gate> {
     let along = Vec2::new(-gate.across.y, gate.across.x);
     // A step is half a cell, so that no cell is passed over.
     let is_wall = |side: f64, t: f64| {

@@ -5,7 +5,7 @@
 //! itself shows doorways: where the clearance has a saddle, two walls stand opposite each other at the width
 //! of a door, and the space on both sides is wider and not one around the corner. Such a *gate* is a doorway where its
 //! form is clear, or where it is plausible and the labels support it ([`GateRule`]). It becomes a clean
-//! rectangle of doorway cells from jamb to jamb. Cells labeled doorway outside of all gates take
+//! rectangle of doorway cells from jamb to jamb, in the line of the walls around it. Cells labeled doorway outside of all gates take
 //! their next best label.
 //!
 //! Obstacles that stand free and are as small as a chair's leg are taken for free while gates are sought.
@@ -21,6 +21,7 @@ mod obstacles;
 mod paint;
 mod saddles;
 mod sides;
+mod walls;
 
 use crate::grid::CellGraph;
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
@@ -151,7 +152,11 @@ fn strips(
     let margin = cells(config.margin_m);
     let gates = gate::accepted(candidates, margin, |gate| evidence.is_doorway(&cleared, &clearance, gate));
     let of_map = |node: usize| graph.node_at(cleared.cells()[node]);
-    let strip = |gate| paint::strip(&cleared, gate, margin).into_iter().filter_map(of_map).collect();
+    let strip = |gate: &gate::Gate| {
+        let turned = walls::aligned(&cleared, &clearance, resolution_m, *gate);
+        let gate = gate::with_depth(&cleared, turned, cells(config.max_depth_m)).unwrap_or(*gate);
+        paint::strip(&cleared, &gate, margin).into_iter().filter_map(of_map).collect()
+    };
     gates.iter().map(strip).collect()
 }
 

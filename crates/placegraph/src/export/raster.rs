@@ -33,27 +33,28 @@ pub fn label_png(graph: &CellGraph, labeling: &Labeling) -> Vec<u8> {
     png(graph, &pixels, ExtendedColorType::L8)
 }
 
-/// The region image: 16-bit gray PNG of the map's size, 0 where there is no free cell, else the number of the
-/// place; `place_ids` has that of every region. map_server reduces images to 8 bits, so this one is for
+/// The region image: 16-bit gray PNG of the map's size, 0 where there is no place, else the number of the
+/// place; `place_ids` has that of every region that is one. map_server reduces images to 8 bits, so this one is for
 /// programs that read 16.
 ///
 /// # Errors
 /// If a number is above 65535.
 ///
 /// # Panics
-/// If `regions` has not one region per node, or `place_ids` not one number per region.
+/// If `regions` has not one region per node, or `place_ids` not one entry per region.
 pub fn region_png(
     graph: &CellGraph,
     regions: &RegionMap,
-    place_ids: &[PlaceId],
+    place_ids: &[Option<PlaceId>],
 ) -> Result<Vec<u8>, RasterError> {
     assert_eq!(regions.region_of.len(), graph.n_nodes(), "one region per node");
-    assert_eq!(place_ids.len(), regions.regions.len(), "one number per region");
-    let found = place_ids.iter().map(|id| id.0).max().unwrap_or(0);
+    assert_eq!(place_ids.len(), regions.regions.len(), "one entry per region");
+    let found = place_ids.iter().flatten().map(|id| id.0).max().unwrap_or(0);
     if found > u32::from(u16::MAX) {
         return Err(RasterError::TooManyRegions { found });
     }
-    let pixels = image_rows(graph, |node| place_ids[regions.region_of[node].index()].0 as u16);
+    let number = |node: usize| place_ids[regions.region_of[node].index()].map_or(0, |id| id.0 as u16);
+    let pixels = image_rows(graph, number);
     // The encoder takes samples in the order of this machine's bytes.
     let bytes: Vec<u8> = pixels.iter().flat_map(|id| id.to_ne_bytes()).collect();
     Ok(png(graph, &bytes, ExtendedColorType::L16))

@@ -302,9 +302,11 @@ fn check_scan(scan: &ScanConfig) -> Result<(), ModelError> {
 }
 
 fn check_thresholds(thresholds: &Thresholds) -> Result<(), ModelError> {
-    for (field, value) in
-        [("min_place_m2", thresholds.min_place_m2), ("min_doorway_m2", thresholds.min_doorway_m2)]
-    {
+    for (field, value) in [
+        ("min_place_m2", thresholds.min_place_m2),
+        ("min_doorway_m2", thresholds.min_doorway_m2),
+        ("min_island_m2", thresholds.min_island_m2),
+    ] {
         range(field, "a number from 0", value.is_finite() && value >= 0.0, || value)?;
     }
     Ok(())

@@ -30,11 +30,14 @@ pub struct Thresholds {
     pub min_doorway_m2: f64,
     /// Smallest number of different regions that a doorway touches. Default 2.
     pub min_doorway_neighbors: usize,
+    /// Smallest area of a region that no step leads to, in m²; what is smaller is an [island](super::islands()).
+    /// Default 0.25; 0 in the chapter's setting.
+    pub min_island_m2: f64,
 }
 
 impl Default for Thresholds {
     fn default() -> Self {
-        Self { min_place_m2: 1.0, min_doorway_m2: 0.1, min_doorway_neighbors: 2 }
+        Self { min_place_m2: 1.0, min_doorway_m2: 0.1, min_doorway_neighbors: 2, min_island_m2: 0.25 }
     }
 }
 

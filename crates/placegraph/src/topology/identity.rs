@@ -65,10 +65,13 @@ pub struct CarriedOver {
 }
 
 impl CarriedOver {
-    /// A map without an earlier self: its places keep their numbers, and those in `given` get the names given.
-    pub fn first(mut map: TopologicalMap, given: &BTreeMap<PlaceId, String>) -> Self {
-        name_places(&mut map, &given.iter().map(|(&id, name)| (id, name.as_str())).collect());
-        let renumbered = map.places.iter().map(|place| (place.id, place.id)).collect();
+    /// A map without an earlier self: its places are numbered from 1 on, and those in `given` get the names given.
+    pub fn first(map: &TopologicalMap, given: &BTreeMap<PlaceId, String>) -> Self {
+        let renumbered: BTreeMap<PlaceId, PlaceId> =
+            map.places.iter().map(|place| place.id).zip((1..).map(PlaceId)).collect();
+        let mut map = renumber(map, &renumbered);
+        let given = given.iter().filter_map(|(id, name)| Some((*renumbered.get(id)?, name.as_str())));
+        name_places(&mut map, &given.collect());
         Self { map, renumbered, changes: Vec::new() }
     }
 }

@@ -93,6 +93,7 @@ impl TrainConfig {
             rounds: Choice::Set(CHAPTER_ROUNDS),
             temperature: Choice::Set(CHAPTER_TEMPERATURE),
             least_compatible: -1.0,
+            thresholds: Thresholds { min_island_m2: 0.0, ..Thresholds::default() },
             ..Self::default()
         }
     }

@@ -10,8 +10,7 @@ use super::config::{CHAPTER_ROUNDS, CHAPTER_TEMPERATURE};
 use super::validate::{best_order, validate};
 use super::{Dataset, LabeledMap, TrainConfig, TrainError, Validation};
 use crate::boost::{
-    CompiledClassifiers, DecisionList, OrderScore, SortedTable, StrongClassifier, adaboost, search_order,
-    table_scores,
+    CompiledClassifiers, DecisionList, OrderScore, StrongClassifier, adaboost, search_order, table_scores,
 };
 use crate::features::FeatureId;
 use crate::labels::{Label, LabelSet};
@@ -113,10 +112,8 @@ pub(super) fn train_list(
     progress.begin(Stage::Boost);
     let labels = data.labels();
     let rows: Vec<u32> = (0..labels.len() as u32).collect();
-    let sorted = SortedTable::new(&data.table, rows.clone());
-    let classifiers =
-        adaboost(&sorted, &labels, label_set.len(), n_rounds, progress).map_err(|_| TrainError::NoLabels)?;
-    drop(sorted);
+    let classifiers = adaboost(&data.table, &rows, &labels, label_set.len(), n_rounds, progress)
+        .map_err(|_| TrainError::NoLabels)?;
     let scores = table_scores(&data.table, &rows, &CompiledClassifiers::new(&classifiers));
     let on_training = search_order(&scores, &labels, &data.cells_per_example, temperature);
     let order = best_order(validation.map_or(&on_training, |validation| &validation.orders)).order.clone();

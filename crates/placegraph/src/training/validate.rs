@@ -7,8 +7,8 @@
 
 use super::{Dataset, TrainConfig};
 use crate::boost::{
-    CompiledClassifiers, DecisionList, OrderScore, Scores, SortedTable, StrongClassifier, adaboost,
-    search_order, table_scores,
+    CompiledClassifiers, DecisionList, OrderScore, Scores, StrongClassifier, adaboost, search_order,
+    table_scores,
 };
 use crate::labels::Label;
 use crate::progress::{Progress, Silent, Stage};
@@ -124,8 +124,9 @@ fn held_out(data: &Dataset, rounds: &[usize], n_folds: usize, progress: &dyn Pro
         }
         let label = |&row: &u32| data.examples[row as usize].label;
         let kept_labels: Vec<Label> = kept.iter().map(label).collect();
-        let sorted = SortedTable::new(&data.table, kept);
-        let Ok(classifiers) = adaboost(&sorted, &kept_labels, n_labels, most, &Silent) else { continue };
+        let Ok(classifiers) = adaboost(&data.table, &kept, &kept_labels, n_labels, most, &Silent) else {
+            continue;
+        };
         for (&n_rounds, values) in rounds.iter().zip(&mut values) {
             let truncated: Vec<StrongClassifier> =
                 classifiers.iter().map(|classifier| classifier.truncated(n_rounds)).collect();

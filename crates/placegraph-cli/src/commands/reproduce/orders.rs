@@ -4,7 +4,7 @@
 
 use anyhow::Result;
 use placegraph::boost::{
-    CompiledClassifiers, DecisionList, Scores, SortedTable, StrongClassifier, adaboost, table_scores,
+    CompiledClassifiers, DecisionList, Scores, StrongClassifier, adaboost, table_scores,
 };
 use placegraph::features::{self, FeatureId, FeatureTable, extract};
 use placegraph::grid::{Cell, Grid};
@@ -109,8 +109,8 @@ pub(super) fn boost(
     let data = Dataset::build(&[building.left()], &label_set, &config, progress)?;
     let labels = data.labels();
     progress.begin(Stage::Boost);
-    let sorted = SortedTable::new(&data.table, (0..labels.len() as u32).collect());
-    Ok(adaboost(&sorted, &labels, label_set.len(), n_rounds, progress)?)
+    let rows: Vec<u32> = (0..labels.len() as u32).collect();
+    Ok(adaboost(&data.table, &rows, &labels, label_set.len(), n_rounds, progress)?)
 }
 
 fn truncated(classifiers: &[StrongClassifier], n_rounds: usize) -> Vec<StrongClassifier> {

@@ -26,7 +26,7 @@ pub(super) fn iterations(run: &Run, truth: &Grid<Option<Label>>, iterations: &[u
 /// The relaxed labels with either correction, and with both.
 pub(super) fn corrections(run: &Run, resolution_m: f64, truth: &Grid<Option<Label>>) -> Vec<Correction> {
     let both = Thresholds::default();
-    let none = Thresholds { min_place_m2: 0.0, min_doorway_m2: 0.0, min_doorway_neighbors: 0 };
+    let none = Thresholds { min_place_m2: 0.0, min_doorway_m2: 0.0, min_doorway_neighbors: 0, ..both };
     let variants = [
         ("none", none),
         ("rooms and corridors below 1 m²", Thresholds { min_place_m2: both.min_place_m2, ..none }),
