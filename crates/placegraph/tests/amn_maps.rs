@@ -47,21 +47,18 @@ fn the_chapters_network_on_building_79_at_20_cm() {
     let test: Vec<Cell> = sampled.into_iter().filter(|cell| cell.x >= SPLIT).collect();
 
     let NetworkConfig { base, network, .. } = NetworkConfig::chapter();
-    // The chapter gives neither M nor C: those of a wide range that do best on held-out blocks.
-    let (n_neighbors, costs) = (vec![1, 3], vec![1.0, 10.0, 100.0, 1000.0]);
-    let config = IamnConfig { n_neighbors, costs, ..network };
     let scan = ScanConfig::default();
     let table = extract(&map.grid, &train, &base.features, &scan, &Silent);
     let graph = coarse_graph(&train);
     let maps = [TrainingMap { graph: &graph, resolution_m: 0.2 }];
     let cells = LabeledCells { maps: &maps, table: &table, labels: &labels, n_labels: 3, scores: &[] };
-    let (model, report) = amn::train(&cells, &config, &Silent);
+    let (model, report) = amn::train(&cells, &network, &Silent);
     assert_eq!(report.selection.chosen.len(), 30);
     let table = extract(&map.grid, &test, &model.standardization.features, &scan, &Silent);
     let found = amn::label(&coarse_graph(&test), &model.transform(&table), &model);
     let (accuracy, _) = evaluate(&map, &test, &found.labeling, SPLIT, "network alone, 20 cm");
-    // The chapter reports 97.6 % on labels of its own.
-    assert!(accuracy >= 0.972, "{accuracy}");
+    // What the chapter reports, on labels of its own.
+    assert!(accuracy >= 0.976, "{accuracy}");
 }
 
 /// A list of 50 rounds, fewer exemplars, two blocks and one C.

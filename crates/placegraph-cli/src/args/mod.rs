@@ -357,7 +357,8 @@ pub(crate) struct ReproduceArgs {
     /// Folder with the maps: `fr79_slam`, `fr52_slam` and `sdr_b_slam`, each with `map.yaml`, its image and `labels.png`
     #[arg(value_name = "DATA")]
     pub(crate) data: PathBuf,
-    /// Folder for `results.md`, `results.json` and the pictures in `results/`
+    /// Folder for `results.md`, `results.json` and the pictures in `results/`; the page links to your own
+    /// `results-remarks.md`, if that is there
     #[arg(short, long, value_name = "DIR", default_value = "reproduction")]
     pub(crate) out: PathBuf,
 }

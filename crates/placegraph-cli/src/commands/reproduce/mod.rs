@@ -16,7 +16,7 @@ mod plots;
 mod results;
 mod sections;
 mod settings;
-mod steps;
+mod stages;
 #[cfg(test)]
 mod tests;
 mod trial;
@@ -41,6 +41,8 @@ use crate::progress::Watch;
 
 /// Folder of the pictures, beside the page.
 const PICTURES: &str = "results";
+/// What people write about a run. The page points to it where it is there; it is never written.
+const REMARKS: &str = "results-remarks.md";
 
 /// Makes all experiments and writes page, numbers and pictures.
 pub(crate) fn run(args: &ReproduceArgs, verbose: bool) -> Result<Outcome> {
@@ -64,7 +66,8 @@ fn load(data: &Path, [b79, b52, sdr]: &[Source; 3]) -> Result<[Building; 3]> {
 fn write(results: &Results, pictures: OutputSet, folder: &Path) -> Result<()> {
     pictures.commit(&folder.join(PICTURES))?;
     let mut pages = OutputSet::default();
-    pages.add("results.md", page::page(results));
+    let remarks = folder.join(REMARKS).is_file().then_some(REMARKS);
+    pages.add("results.md", page::page(results, remarks));
     pages.add("results.json", format!("{}\n", serde_json::to_string_pretty(results)?));
     pages.commit(folder)?;
     Ok(())
@@ -75,20 +78,23 @@ fn reproduce(buildings: &[Building; 3], settings: &Settings, verbose: bool) -> R
     let mut pictures = OutputSet::default();
     let [b79, ..] = buildings;
     let mut made = Vec::new();
-    for trial in &trial::trials(buildings, settings) {
-        let one = timed(trial.title, verbose, |watch| trial.make(watch))?;
+    let trials = trial::trials(buildings, settings);
+    let mut steps = Steps { n_steps: trials.len() + 3, n_begun: 0, verbose };
+    for trial in &trials {
+        let one = steps.step(trial.title, |watch| trial.make(watch))?;
         add_pictures(&mut pictures, trial, &one)?;
-        let points = steps::iterations(&one.chapter, &one.truth, &settings.iterations_curve)?;
+        let points = stages::iterations(&one.chapter, &one.truth, &settings.iterations_curve)?;
         made.push((one, Curve { title: trial.test.title, points }));
     }
-    let trained = &made[0].0.chapter.trained;
-    let orders = timed("Table 4.1", verbose, |watch| orders::orders(b79, trained, settings, watch))?;
-    let features = orders::most_informative(trained);
-    let networks = timed("networks", verbose, |watch| Ok(networks(b79, settings, watch)))?;
+    let Made { chapter, best, .. } = &made[0].0;
+    let trained = [&chapter.trained, &best.trained];
+    let orders = steps.step("Table 4.1", |watch| orders::orders(b79, trained, settings, watch))?;
+    let features = orders::most_informative(&chapter.trained);
+    let networks = steps.step("networks", |watch| networks(b79, settings, watch))?;
     for (number, run) in networks.iter().enumerate() {
         add_network_pictures(&mut pictures, number, run)?;
     }
-    let pairs = timed("pairs of buildings", verbose, |watch| trial::pairs(buildings, settings, watch))?;
+    let pairs = steps.step("pairs of buildings", |watch| trial::pairs(buildings, settings, watch))?;
     let (made, iterations): (Vec<Made>, Vec<Curve>) = made.into_iter().unzip();
     let results = Results {
         version: env!("CARGO_PKG_VERSION"),
@@ -107,28 +113,37 @@ fn reproduce(buildings: &[Building; 3], settings: &Settings, verbose: bool) -> R
     Ok((results, pictures))
 }
 
-/// Does `work` under a progress bar called `what`.
-fn timed<T>(what: &str, verbose: bool, work: impl FnOnce(&Watch) -> Result<T>) -> Result<T> {
-    let watch = Watch::start(what);
-    let done = work(&watch);
-    let seconds: f64 = watch.finish().iter().map(|(_, time)| time.as_secs_f64()).sum();
-    if verbose {
-        complain(&format!("{what}: {seconds:.1} s"));
-    }
-    done
+/// The experiments in turn, each under a progress bar that tells how many there are.
+struct Steps {
+    n_steps: usize,
+    n_begun: usize,
+    verbose: bool,
 }
 
-/// The networks of Sect. 4.8.3: the chapter's cells in the chapter's setting, then every stride in the best.
-fn networks(building: &Building, settings: &Settings, watch: &Watch) -> Vec<NetworkRun> {
-    let chapter = settings.network_strides.iter().take(1);
-    let chapter =
-        chapter.map(|&stride| ("features weighed as printed", stride, Settings::chapter_network(stride)));
-    let best = settings.network_strides.iter();
-    let best = best.map(|&stride| ("features weighed by shares", stride, Settings::best_network(stride)));
-    chapter
-        .chain(best)
-        .map(|(title, stride, config)| network::network(building, title, stride, &config, watch))
-        .collect()
+impl Steps {
+    fn step<T>(&mut self, what: &str, work: impl FnOnce(&Watch) -> Result<T>) -> Result<T> {
+        self.n_begun += 1;
+        let watch = Watch::start(&format!("{}/{} {what}", self.n_begun, self.n_steps));
+        let done = work(&watch);
+        let stages = watch.finish();
+        if self.verbose {
+            let seconds: f64 = stages.iter().map(|(_, time)| time.as_secs_f64()).sum();
+            complain(&format!("{what}: {seconds:.1} s"));
+        }
+        done
+    }
+}
+
+/// The networks of Sect. 4.8.3: the chapter's on its cells, then the best setting on every cell.
+fn networks(building: &Building, settings: &Settings, watch: &Watch) -> Result<Vec<NetworkRun>> {
+    let chapter = Settings::chapter_network();
+    let printed = Settings::printed_network();
+    let stride = settings.network_stride;
+    Ok(vec![
+        network::network(building, "distances alone", stride, &chapter, watch),
+        network::network(building, "distances alone, features weighed as printed", stride, &printed, watch),
+        network::on_a_list(building, "distances and a decision list", &settings.best_network(), watch)?,
+    ])
 }
 
 /// The second drawings, judged as if they were found.

@@ -1,17 +1,21 @@
 //! The instance-based network of Sect. 4.8.3 on one building: the left part is learned from, the right one labeled.
 //!
-//! Nodes are cells at a stride; scans are cast in the map itself.
+//! The chapter's network: nodes are cells at a stride, scans are cast in the map itself. The best setting: every cell is a
+//! node and sees a decision list, as `placegraph train --method iamn` makes it.
 
-use placegraph::amn::{self, IamnConfig, LabeledCells, TrainingMap};
+use anyhow::Result;
+use placegraph::amn::{self, IamnConfig, IamnReport, LabeledCells, TrainingMap};
+use placegraph::eval::CellScores;
 use placegraph::features::{self, extract};
 use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Occupancy, OccupancyGrid};
 use placegraph::labels::{Label, LabelSet};
+use placegraph::pipeline;
 use placegraph::progress::{Progress, Stage};
 use placegraph::scan::ScanConfig;
-use placegraph::training::LabeledMap;
+use placegraph::training::{LabeledMap, NetworkConfig, TrainedNetwork, train_network};
 
 use super::buildings::{Building, from_column};
-use super::results::{Network, compare, painted};
+use super::results::{Network, compare, painted, score};
 
 /// First column, and first row from the top, of the cells that are nodes: with these, a stride of 4 leaves the chapter's
 /// 8088 nodes of building 79.
@@ -106,24 +110,52 @@ pub(super) fn network(
     let labeled = amn::label(&graph, &model.transform(&table), &model);
     let truth = from_column(split, labels);
     let found = painted(labels, graph.cells(), &labeled.labeling);
-    let result = Network {
-        title,
-        cell_m: sampled.map.grid.frame.resolution_m(),
-        n_nodes: sampled.map.grid.count(Occupancy::Free),
-        n_features: report.selection.chosen.len(),
-        n_neighbors: model.n_neighbors,
-        cost: chosen_cost(&report.validation, model.n_neighbors),
-        alone: compare(&painted(labels, graph.cells(), &labeled.alone.most_likely()), &truth),
-        found: compare(&found, &truth),
-    };
+    let alone = painted(labels, graph.cells(), &labeled.alone.most_likely());
+    let judged = [compare(&alone, &truth), compare(&found, &truth)];
+    let result = result(&sampled.map, title, &report, judged, None);
     NetworkRun { result, map: sampled.map, split, found }
 }
 
-/// C of the best validated choice with M neighbors; ties go to the first.
-fn chosen_cost(validation: &[amn::Validated], n_neighbors: usize) -> f64 {
-    let of_m = validation.iter().filter(|validated| validated.n_neighbors == n_neighbors);
-    let best = of_m.reduce(|best, other| if other.macro_f1 > best.macro_f1 { other } else { best });
-    best.map_or(0.0, |best| best.cost)
+/// Trains and applies the network on a decision list on every cell of `building`; doorways are marked after it.
+pub(super) fn on_a_list(
+    building: &Building,
+    title: &'static str,
+    config: &NetworkConfig,
+    progress: &dyn Progress,
+) -> Result<NetworkRun> {
+    let maps = [building.left()];
+    let TrainedNetwork { model, report } = train_network(&maps, &LabelSet::default(), config, progress)?;
+    let analysis = pipeline::analyze(&building.map.grid, &model, &pipeline::Config::default(), progress);
+    let truth = building.truth_from(building.split);
+    let judged = |labeling: &[Label]| score(analysis.graph.cells(), labeling, &truth);
+    let found = analysis.smoothed.most_likely();
+    let stages = [judged(&analysis.classified.most_likely()), judged(&found)];
+    let corrected = judged(&analysis.labeling);
+    let result = result(&building.map, title, &report.network, stages, Some(corrected));
+    let found = painted(&truth, analysis.graph.cells(), &found);
+    Ok(NetworkRun { result, map: building.map.clone(), split: building.split, found })
+}
+
+/// The row of a network on `map`, judged by its node scores alone and as a network.
+fn result(
+    map: &LabeledMap,
+    title: &'static str,
+    report: &IamnReport,
+    [alone, found]: [CellScores; 2],
+    corrected: Option<CellScores>,
+) -> Network {
+    let chosen = &report.validation[report.best];
+    Network {
+        title,
+        cell_m: map.grid.frame.resolution_m(),
+        n_nodes: map.grid.count(Occupancy::Free),
+        n_features: report.selection.chosen.len(),
+        n_neighbors: chosen.n_neighbors,
+        cost: chosen.cost,
+        alone,
+        found,
+        corrected,
+    }
 }
 
 #[cfg(test)]

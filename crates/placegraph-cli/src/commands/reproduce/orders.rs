@@ -44,32 +44,38 @@ struct Test {
     truth: Grid<Option<Label>>,
 }
 
-/// Trains on the left part of `building` and labels the right one; `trained` is the chapter's setting on the same
-/// cells, whose order the curve over rounds takes.
+/// Trains on the left part of `building` and labels the right one; `chapter` and `best` are the two settings on the same
+/// cells. The curve over rounds takes the order of the chapter's.
 pub(super) fn orders(
     building: &Building,
-    trained: &Trained,
+    [chapter, best]: [&Trained; 2],
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Orders> {
-    let order = &boosted(&trained.model)?.list.order;
+    let order = &boosted(&chapter.model)?.list.order;
+    let best = &boosted(&best.model)?.list;
     let most = settings.rounds_curve.iter().copied().max().unwrap_or(0).max(settings.rounds);
     let new = boost(building, features::all(), most, settings, progress)?;
     let old = boost(building, features::old152(), settings.rounds, settings, progress)?;
     let test = Test::new(building, settings, progress);
 
+    let judged = |order: &[Label], scores: &Scores, temperature: f64| {
+        score(&test.cells, &label(order, scores, temperature), &test.truth)
+    };
     let rounds = settings.rounds_curve.iter().map(|&n_rounds| {
         let scores = test.scores(&truncated(&new, n_rounds));
-        Point { at: n_rounds, scores: score(&test.cells, &label(order, &scores), &test.truth) }
+        Point { at: n_rounds, scores: judged(order, &scores, 1.0) }
     });
     let rounds = rounds.collect();
     let (new, old) = (test.scores(&truncated(&new, settings.rounds)), test.scores(&old));
+    let of_best = test.scores(&best.classifiers);
     let table = TABLE_4_1.iter().map(|(order, published)| OrderRow {
         order: names(order),
         published: *published,
-        held_out_accuracy: held_out_accuracy(trained, order),
-        new: score(&test.cells, &label(order, &new), &test.truth),
-        old: score(&test.cells, &label(order, &old), &test.truth),
+        held_out_accuracy: held_out_accuracy(chapter, order),
+        new: judged(order, &new, 1.0),
+        old: judged(order, &old, 1.0),
+        best: judged(order, &of_best, best.temperature),
     });
     Ok(Orders { table: table.collect(), rounds })
 }
@@ -111,9 +117,9 @@ fn truncated(classifiers: &[StrongClassifier], n_rounds: usize) -> Vec<StrongCla
     classifiers.iter().map(|classifier| classifier.truncated(n_rounds)).collect()
 }
 
-/// The labels that the list in `order` gives, at temperature 1.
-fn label(order: &[Label], scores: &Scores) -> Vec<Label> {
-    let list = DecisionList { order: order.to_vec(), classifiers: Vec::new(), temperature: 1.0 };
+/// The labels that the list in `order` gives.
+fn label(order: &[Label], scores: &Scores, temperature: f64) -> Vec<Label> {
+    let list = DecisionList { order: order.to_vec(), classifiers: Vec::new(), temperature };
     list.classify(scores).most_likely()
 }
 

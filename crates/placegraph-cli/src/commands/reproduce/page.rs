@@ -6,14 +6,14 @@ use super::markdown::{measures, percent, table, with_measures};
 use super::results::{Experiment, Results, Setting};
 use super::sections;
 
-/// The whole page.
-pub(super) fn page(results: &Results) -> String {
+/// The whole page; it points to `remarks` beside it, if there are any.
+pub(super) fn page(results: &Results, remarks: Option<&str>) -> String {
     let parts = [
-        introduction(results),
+        introduction(results, remarks),
         summary(results),
         all_measures(results),
         results.experiments.iter().map(sections::experiment).collect::<Vec<_>>().join("\n"),
-        sections::networks(&results.networks),
+        sections::networks(&results.networks, &results.experiments[0].best),
         sections::orders(&results.orders),
         sections::rounds(results),
         sections::iterations(results),
@@ -24,9 +24,9 @@ pub(super) fn page(results: &Results) -> String {
     parts.join("\n")
 }
 
-fn introduction(results: &Results) -> String {
+fn introduction(results: &Results, remarks: Option<&str>) -> String {
     let settings = &results.settings;
-    format!(
+    let text = format!(
         "# The chapter's experiments\n\n\
          Sect. 4.8 repeated with placegraph {version}: `placegraph reproduce DATA`. Every figure is the share of labeled \
          free cells of the test part that got the drawn label; cells drawn as ambiguous do not count. The whole map is \
@@ -45,63 +45,94 @@ fn introduction(results: &Results) -> String {
         scaled = settings.max_cells_scaled,
         candidates = settings.best_rounds,
         most = settings.max_cells,
-    )
+    );
+    match remarks {
+        Some(page) => format!("{text}\nOn this run, and why figures differ: [{page}]({page}).\n"),
+        None => text,
+    }
 }
 
-/// The figure of the chapter and ours, a row a figure.
-fn summary(results: &Results) -> String {
+/// A figure of the chapter and ours.
+struct Compared<'a> {
+    section: &'static str,
+    title: String,
+    stage: &'static str,
+    /// In per cent.
+    published: f64,
+    chapter: &'a CellScores,
+    best: Option<&'a CellScores>,
+}
+
+fn compared(results: &Results) -> Vec<Compared<'_>> {
     let mut rows = Vec::new();
-    for experiment in &results.experiments {
-        let Experiment { section, title, published, chapter, best, .. } = experiment;
+    for Experiment { section, title, published, chapter, best, .. } in &results.experiments {
         let stages = [
             ("decision list", published.list, &chapter.list, &best.list),
             ("relaxation and corrections", published.corrected, &chapter.corrected, &best.corrected),
         ];
-        for (stage, published, chapter, best) in stages {
-            rows.push(summary_row(section, title, stage, Some(published), Some(chapter), Some(best)));
-        }
+        rows.extend(stages.map(|(stage, published, chapter, best)| {
+            let title = (*title).to_owned();
+            Compared { section, title, stage, published, chapter, best: Some(best) }
+        }));
     }
-    let mut networks = results.networks.iter();
-    if let Some(chapter) = networks.next() {
-        let title = format!("Network, building 79, cells of {:.0} cm", 100.0 * chapter.cell_m);
-        let best = networks.next().map(|network| &network.found);
-        rows.push(summary_row("4.8.3", &title, "network", Some(97.6), Some(&chapter.found), best));
-    }
-    for network in networks {
-        let title = format!("Network, building 79, cells of {:.0} cm", 100.0 * network.cell_m);
-        rows.push(summary_row("4.8.3", &title, "network", None, None, Some(&network.found)));
+    if let [chapter, .., best] = &results.networks[..] {
+        let title = "Building 79, left part to right part".to_owned();
+        let (chapter, best) = (&chapter.found, Some(&best.found));
+        rows.push(Compared { section: "4.8.3", title, stage: "network", published: 97.6, chapter, best });
     }
     for row in &results.orders {
-        for (features, published, found) in
-            [("new features", row.published[0], &row.new), ("old features", row.published[1], &row.old)]
-        {
+        let [new, old] = row.published;
+        let sets = [("new features", new, &row.new, Some(&row.best)), ("old features", old, &row.old, None)];
+        rows.extend(sets.map(|(stage, published, chapter, best)| {
             let title = format!("Table 4.1, {}", row.order[..2].join("-"));
-            rows.push(summary_row("4.8.4", &title, features, Some(published), Some(found), None));
-        }
+            Compared { section: "4.8.4", title, stage, published, chapter, best }
+        }));
     }
-    let head = ["Sect.", "experiment", "stage", "chapter", "chapter's setting", "difference", "best setting"];
-    format!("## Side by side\n\n{}", table(&head, rows))
+    rows
 }
 
-fn summary_row(
-    section: &str,
-    title: &str,
-    stage: &str,
-    published: Option<f64>,
-    chapter: Option<&CellScores>,
-    best: Option<&CellScores>,
-) -> Vec<String> {
-    let accuracy = |scores: Option<&CellScores>| scores.and_then(|scores| scores.accuracy);
-    let difference = published.zip(accuracy(chapter)).map(|(published, found)| 100.0 * found - published);
-    vec![
-        section.to_owned(),
-        title.to_owned(),
-        stage.to_owned(),
-        percent(published.map(|published| published / 100.0)),
-        percent(accuracy(chapter)),
-        difference.map_or_else(|| "–".to_owned(), |difference| format!("{difference:+.2}")),
-        percent(accuracy(best)),
-    ]
+/// The figure of the chapter and ours, a row a figure; then which are missed.
+fn summary(results: &Results) -> String {
+    let rows = compared(results);
+    let head = [
+        "Sect.",
+        "experiment",
+        "stage",
+        "chapter",
+        "chapter's setting",
+        "difference",
+        "best setting",
+        "difference",
+    ];
+    let cells = rows.iter().map(|row| {
+        let ours = [Some(row.chapter), row.best].into_iter().flat_map(|scores| {
+            let accuracy = scores.and_then(|scores| scores.accuracy);
+            let difference = accuracy.map(|found| 100.0 * found - row.published);
+            [percent(accuracy), difference.map_or_else(|| "–".to_owned(), |points| format!("{points:+.2}"))]
+        });
+        let published = percent(Some(row.published / 100.0));
+        let first = [row.section.to_owned(), row.title.clone(), row.stage.to_owned(), published];
+        first.into_iter().chain(ours).collect()
+    });
+    let chapter = missed("The chapter's setting", rows.iter().map(|row| (row, Some(row.chapter))));
+    let best = missed("The best setting", rows.iter().map(|row| (row, row.best)));
+    format!("## Side by side\n\n{}\n{chapter} {best}\n", table(&head, cells))
+}
+
+/// How many of the chapter's figures `setting` reaches, and which it misses by how much.
+fn missed<'a>(
+    setting: &str,
+    rows: impl Iterator<Item = (&'a Compared<'a>, Option<&'a CellScores>)>,
+) -> String {
+    let found = |scores: &CellScores| scores.accuracy.map(|accuracy| 100.0 * accuracy);
+    let rows: Vec<_> = rows.filter_map(|(row, scores)| Some((row, found(scores?)?))).collect();
+    let below: Vec<String> = rows
+        .iter()
+        .filter(|(row, found)| *found < row.published)
+        .map(|(row, found)| format!("{}, {} ({:+.2})", row.title, row.stage, found - row.published))
+        .collect();
+    let reached = format!("{setting} reaches {} of {} figures", rows.len() - below.len(), rows.len());
+    if below.is_empty() { format!("{reached}.") } else { format!("{reached}; not {}.", below.join("; not ")) }
 }
 
 /// All measures of every stage.
@@ -112,7 +143,7 @@ fn all_measures(results: &Results) -> String {
     };
     for Experiment { title, chapter, best, .. } in &results.experiments {
         for (name, setting, last) in
-            [("chapter's", chapter, "corrected"), ("best", best, "doorways marked, corrected")]
+            [("chapter's", chapter, "corrected"), ("best", best, sections::CORRECTED)]
         {
             let Setting { list, relaxed, corrected, .. } = setting;
             for (stage, scores) in [("list", list), ("relaxed", relaxed), (last, corrected)] {

@@ -13,6 +13,7 @@ pub(super) struct Results {
     pub(super) version: &'static str,
     pub(super) settings: Settings,
     pub(super) experiments: Vec<Experiment>,
+    /// The chapter's network first, the best one last.
     pub(super) networks: Vec<Network>,
     pub(super) orders: Vec<OrderRow>,
     pub(super) rounds: Vec<Point>,
@@ -104,6 +105,8 @@ pub(super) struct Network {
     /// The scores of the nodes without edges.
     pub(super) alone: CellScores,
     pub(super) found: CellScores,
+    /// With doorways marked and corrections, where every cell of the map is a node.
+    pub(super) corrected: Option<CellScores>,
 }
 
 /// An order of the decision list in Table 4.1.
@@ -115,6 +118,8 @@ pub(super) struct OrderRow {
     pub(super) held_out_accuracy: Option<f64>,
     pub(super) new: CellScores,
     pub(super) old: CellScores,
+    /// With the new features in the best setting.
+    pub(super) best: CellScores,
 }
 
 /// A point of a curve.

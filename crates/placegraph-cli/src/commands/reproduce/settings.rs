@@ -2,7 +2,7 @@
 
 use placegraph::amn::IamnConfig;
 use placegraph::features::select::{SelectConfig, Weighing};
-use placegraph::training::{Choice, TrainConfig};
+use placegraph::training::{Choice, NetworkConfig, TrainConfig};
 use serde::Serialize;
 
 /// Numbers that the experiments use; tests take smaller ones.
@@ -22,8 +22,8 @@ pub(super) struct Settings {
     pub(super) max_cells: usize,
     /// The same where every cell is seen at all scales.
     pub(super) max_cells_scaled: usize,
-    /// Sides of the networks' cells, in cells of the map.
-    pub(super) network_strides: Vec<u32>,
+    /// Side of the cells of the chapter's network, in cells of the map.
+    pub(super) network_stride: u32,
 }
 
 impl Default for Settings {
@@ -36,7 +36,7 @@ impl Default for Settings {
             scales: vec![0.7, 0.85, 1.0, 1.2, 1.4],
             max_cells: 6000,
             max_cells_scaled: 3000,
-            network_strides: vec![4, 1],
+            network_stride: 4,
         }
     }
 }
@@ -65,19 +65,19 @@ impl Settings {
         }
     }
 
-    /// The network as the chapter prints it: features by the plain Fisher ratio.
-    pub(super) fn chapter_network(stride: u32) -> IamnConfig {
-        let select = SelectConfig { weighing: Weighing::Printed, ..SelectConfig::default() };
-        IamnConfig { select, ..Self::best_network(stride) }
+    /// The network that sees distances alone.
+    pub(super) fn chapter_network() -> IamnConfig {
+        NetworkConfig::chapter().network
     }
 
-    /// The network with the program's defaults.
-    ///
-    /// Where every cell of the map is a node, only one neighbor per class and three values of C are tried.
-    pub(super) fn best_network(stride: u32) -> IamnConfig {
-        if stride > 1 {
-            return IamnConfig::default();
-        }
-        IamnConfig { n_neighbors: vec![1], costs: vec![10.0, 100.0, 1000.0], ..IamnConfig::default() }
+    /// The same with Fisher ratios that are not made comparable with correlations.
+    pub(super) fn printed_network() -> IamnConfig {
+        let network = Self::chapter_network();
+        IamnConfig { select: SelectConfig { weighing: Weighing::Printed, ..network.select }, ..network }
+    }
+
+    /// The network on a decision list that is trained as in the best setting.
+    pub(super) fn best_network(&self) -> NetworkConfig {
+        NetworkConfig { base: self.best(), ..NetworkConfig::default() }
     }
 }

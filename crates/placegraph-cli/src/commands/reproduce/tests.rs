@@ -10,9 +10,9 @@ use tempfile::TempDir;
 use super::buildings::{Building, CHAPTER, Source};
 use super::results::Results;
 use super::settings::Settings;
-use super::{load, reproduce, write};
+use super::{REMARKS, load, page, reproduce, write};
 
-/// Few rounds, few cells, and one network.
+/// Few rounds and few cells.
 fn small() -> Settings {
     Settings {
         rounds: 6,
@@ -22,7 +22,7 @@ fn small() -> Settings {
         scales: vec![1.0, 1.2],
         max_cells: 400,
         max_cells_scaled: 200,
-        network_strides: vec![2],
+        network_stride: 2,
     }
 }
 
@@ -76,6 +76,8 @@ fn experiments_agree_with_each_other_and_repeat_to_the_byte() {
     let b79 = &results.experiments[0];
     let chosen = results.orders.iter().find(|row| row.order == b79.chapter.order).unwrap();
     assert_eq!(chosen.new, b79.chapter.list, "one training, two tables");
+    let chosen = results.orders.iter().find(|row| row.order == b79.best.order).unwrap();
+    assert_eq!(chosen.best, b79.best.list, "one training, two tables");
     let at_6 = results.rounds.iter().find(|point| point.at == 6).unwrap();
     assert_eq!(at_6.scores, b79.chapter.list, "boosting is nested");
     for (experiment, curve) in results.experiments.iter().zip(&results.iterations) {
@@ -93,6 +95,8 @@ fn experiments_agree_with_each_other_and_repeat_to_the_byte() {
     assert_eq!(results.pairs.len(), 6);
 
     let page = String::from_utf8(first["results.md"].clone()).unwrap();
+    assert!(!page.contains(REMARKS), "there are none");
+    assert!(page::page(&results, Some(REMARKS)).contains("[results-remarks.md](results-remarks.md)"));
     for link in page.split("](results/").skip(1).map(|rest| rest.split(')').next().unwrap()) {
         assert!(first.contains_key(link), "{link}");
     }

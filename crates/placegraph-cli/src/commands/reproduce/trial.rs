@@ -12,7 +12,7 @@ use super::errors::errors;
 use super::experiment::{Run, label, run};
 use super::results::{Experiment, Pair, Published};
 use super::settings::Settings;
-use super::steps;
+use super::stages;
 
 /// An experiment before it is made.
 #[derive(Debug)]
@@ -83,7 +83,7 @@ impl Trial<'_> {
             published: self.published,
             chapter: chapter.setting.clone(),
             best: best.setting.clone(),
-            corrections: steps::corrections(&chapter, resolution_m, &truth),
+            corrections: stages::corrections(&chapter, resolution_m, &truth),
             errors: errors(self.test, &chapter.analysis, &truth),
         };
         Ok(Made { result, chapter, best, truth })
