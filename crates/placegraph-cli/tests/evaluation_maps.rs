@@ -21,8 +21,8 @@ use running::{json, placegraph, stderr};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Small maps, one of them by a robot and with clutter.
-const FEW: [&str; 4] = ["ros_tb3_sandbox", "rrce_03", "office_a", "Freiburg52_scan_furnitures"];
+/// Small maps: a home, an office, an office with furniture.
+const FEW: [&str; 3] = ["rrce_03", "office_a", "Freiburg52_scan_furnitures"];
 
 /// Least share of the openings of true rooms that have a way through.
 const LEAST_JOINED: f64 = 0.85;
@@ -36,7 +36,7 @@ fn route_graphs_are_free_and_join_what_the_truth_joins() {
     let folders = evaluation_maps(&PathBuf::from(data).join("eval"));
     let temporary = TempDir::new().unwrap();
     let earlier = std::env::var_os("PLACEGRAPH_RESULTS").map(PathBuf::from);
-    let complaints = if earlier.is_none() { label(&folders, temporary.path()) } else { String::new() };
+    let complaints = if earlier.is_none() { Some(label(&folders, temporary.path())) } else { None };
     let out = earlier.unwrap_or_else(|| temporary.path().to_owned());
     let (mut n_joined, mut n_pairs, mut n_graphs) = (0, 0, 0);
     for folder in &folders {
@@ -44,7 +44,8 @@ fn route_graphs_are_free_and_join_what_the_truth_joins() {
         let result = out.join(&*name);
         // A map whose places have no way between them has no route graph, and the program says so.
         if !result.exists() {
-            assert!(complaints.contains(&format!("{name}/map.yaml: ")), "{name} has no result: {complaints}");
+            let is_told = |told: &String| told.contains(&format!("{name}/map.yaml: "));
+            assert!(complaints.as_ref().is_none_or(is_told), "{name} has no result: {complaints:?}");
             println!("{name}: no route graph");
             continue;
         }
