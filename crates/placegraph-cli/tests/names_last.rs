@@ -18,6 +18,8 @@ const FREE: u8 = 254;
 const OCCUPIED: u8 = 0;
 const UNKNOWN: u8 = 205;
 const RESOLUTION_M: f64 = 0.05;
+/// How many cells the face of a straight wall varies.
+const FACE: u32 = 4;
 
 /// A map_server map: its picture, and where the lower left corner of that lies.
 #[derive(Clone)]
@@ -112,7 +114,7 @@ impl Map {
             let beside: Vec<Option<u32>> = (top..top + room_height).map(last_free).collect();
             let right = beside.iter().copied().flatten().max()?;
             let at_door = &beside[door_from as usize..(door_from + door) as usize];
-            let is_straight = at_door.iter().all(|x| x.is_some_and(|x| x + 1 >= right));
+            let is_straight = at_door.iter().all(|x| x.is_some_and(|x| x + FACE >= right));
             is_straight.then_some((right, top))
         };
         let (right, top) = (1..height - room_height - 1).filter_map(face).max().expect("a straight wall");
@@ -126,8 +128,9 @@ impl Map {
         fill(right + 3, top - 1, room_width + 4, room_height + 2, OCCUPIED);
         fill(right + 5, top + 1, room_width, room_height - 2, FREE);
         let door_top = top + door_from;
-        fill(right - 1, door_top - 2, 6, door + 4, OCCUPIED);
-        fill(right - 1, door_top, 6, door, FREE);
+        // Through the wall, and through what stands out of its face.
+        fill(right + 1, door_top - 2, 4, door + 4, OCCUPIED);
+        fill(right - FACE, door_top, FACE + 5, door, FREE);
         Self { picture, origin: self.origin }
     }
 }
