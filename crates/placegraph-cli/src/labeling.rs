@@ -99,6 +99,8 @@ impl<'a> Setup<'a> {
         document.program.options.clone_from(&self.options);
         document.findings = check(map).findings.iter().map(ToString::to_string).collect();
         document.findings.extend(self.unapplied_edits(&analysis));
+        let in_ms = |(stage, time): &(Stage, Duration)| (stage.name().to_owned(), time.as_secs_f64() * 1e3);
+        document.timings_ms = timings.iter().map(in_ms).collect();
         Ok(Labeled { document, analysis, timings })
     }
 

@@ -1,5 +1,7 @@
 //! `topology.json`: the topological map as a document, out and in (`docs/topology-json.md`).
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::json_layout;
@@ -35,6 +37,9 @@ pub struct TopologyDocument {
     pub places: Vec<Place>,
     /// The connections, by their ends.
     pub connections: Vec<Connection>,
+    /// Wall time of the stages, in milliseconds. Empty where results must not differ between runs.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub timings_ms: BTreeMap<String, f64>,
     /// What was noticed about the input, in plain words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<String>,
@@ -188,7 +193,7 @@ impl MapInfo {
 }
 
 impl TopologyDocument {
-    /// A document of `topology`, without options and findings. Measures are rounded to four decimals (points and areas to nine),
+    /// A document of `topology`, without options, timings and findings. Measures are rounded to four decimals (points and areas to nine),
     /// so that the same bytes come out when the document is read and written again.
     pub fn new(
         map: MapInfo,
@@ -209,6 +214,7 @@ impl TopologyDocument {
             classes: classes.clone(),
             places: topology.places.iter().map(rounded_place).collect(),
             connections: topology.connections.iter().map(rounded_connection).collect(),
+            timings_ms: BTreeMap::new(),
             findings: Vec::new(),
         }
     }
