@@ -44,7 +44,8 @@ pub fn largest_edge_by_sorting(
     positive: &[bool],
     weights: &[f64],
 ) -> f64 {
-    let signed = |row: u32| if positive[row as usize] { weights[row as usize] } else { -weights[row as usize] };
+    let signed =
+        |row: u32| if positive[row as usize] { weights[row as usize] } else { -weights[row as usize] };
     let total: f64 = (0..positive.len() as u32).map(signed).sum();
     let mut largest = 0.0f64;
     for (column, rows) in sorted.iter().enumerate() {
