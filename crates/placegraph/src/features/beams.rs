@@ -5,7 +5,7 @@
 //! A stump cannot tell any of these from the printed form, except the first, which the author's program has.
 
 use super::families::Measure as M;
-use super::lanes::{Lanes, Singles, TINY, mean_and_sd, sum};
+use super::lanes::{Lanes, Singles, TINY, beams, mean_and_sd, sum};
 use super::values::{Ranges, Values};
 use crate::scan::N_BEAMS;
 
@@ -15,6 +15,8 @@ const N_CLIPS: usize = 10;
 const N_GAPS: usize = 20;
 /// Members of A15 and f34: relations below 0.1, 0.2, …, 1.
 const N_RELATIONS: usize = 10;
+/// Beams whose extreme is looked for together: the limits that none of them reaches are skipped.
+const TOGETHER: usize = 8;
 /// A16 of a scan whose beams differ by less than this is 0.
 const SD_MIN_M: f32 = 1e-9;
 
@@ -57,7 +59,11 @@ pub(super) fn clipped_differences(d: &Ranges, values: &mut Values) {
 /// A5, A6, A13, A14 and A16.
 #[inline(always)]
 pub(super) fn lengths(d: &Ranges, values: &mut Values) {
-    let (mean, sd) = mean_and_sd(N_BEAMS, |i| d[i]);
+    let (mean, sd) = mean_and_sd(
+        N_BEAMS,
+        #[inline(always)]
+        |i| d[i],
+    );
     let longest = d.iter().fold(Lanes::all(TINY), |a, &b| a.max(b));
     values.set(M::MeanLength, mean);
     values.set(M::SdLength, sd);
@@ -82,15 +88,22 @@ pub(super) fn lengths(d: &Ranges, values: &mut Values) {
 #[inline(always)]
 pub(super) fn gaps(d: &Ranges, values: &mut Values) {
     let mut counts: [Singles; N_GAPS] = [Lanes::all(0.0); N_GAPS];
-    for i in 0..N_BEAMS {
-        let difference = (d[i] - d[i + 1]).abs();
-        let largest = difference.largest();
+    for start in beams(N_BEAMS, TOGETHER) {
+        let mut differences = [Lanes::all(0.0); TOGETHER];
+        let mut largest = Lanes::all(0.0);
+        for (difference, i) in differences.iter_mut().zip(start..) {
+            *difference = (d[i] - d[i + 1]).abs();
+            largest = largest.max(*difference);
+        }
+        let largest = largest.largest();
         for (member, count) in counts.iter_mut().enumerate() {
             let limit = (member + 1) as f32 / 2.0;
             if largest <= limit {
                 break;
             }
-            *count += difference.above(limit);
+            for difference in differences {
+                *count += difference.above(limit);
+            }
         }
     }
     for (member, &count) in counts.iter().enumerate() {
@@ -105,19 +118,29 @@ pub(super) fn relations(d: &Ranges, values: &mut Values) {
     let mut counts: [Singles; N_RELATIONS] = [Lanes::all(0.0); N_RELATIONS];
     let mut relations = [Lanes::all(0.0); N_BEAMS];
     let tiny = Lanes::all(TINY);
-    for i in 0..N_BEAMS {
-        let relation = (d[i].min(d[i + 1]) + tiny) / (d[i].max(d[i + 1]) + tiny);
-        relations[i] = relation;
-        let smallest = relation.smallest();
+    for start in beams(N_BEAMS, TOGETHER) {
+        let together = &mut relations[start..start + TOGETHER];
+        let mut smallest = Lanes::all(1.0);
+        for (relation, i) in together.iter_mut().zip(start..) {
+            *relation = (d[i].min(d[i + 1]) + tiny) / (d[i].max(d[i + 1]) + tiny);
+            smallest = smallest.min(*relation);
+        }
+        let smallest = smallest.smallest();
         for (member, count) in counts.iter_mut().enumerate().rev() {
             let limit = (member + 1) as f32 / 10.0;
             if smallest >= limit {
                 break;
             }
-            *count += relation.below(limit);
+            for relation in &*together {
+                *count += relation.below(limit);
+            }
         }
     }
-    let (mean, sd) = mean_and_sd(N_BEAMS, |i| relations[i]);
+    let (mean, sd) = mean_and_sd(
+        N_BEAMS,
+        #[inline(always)]
+        |i| relations[i],
+    );
     values.set(M::MeanRelation, mean);
     values.set(M::SdRelation, sd);
     for (member, &count) in counts.iter().enumerate() {

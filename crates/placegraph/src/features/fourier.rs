@@ -12,7 +12,7 @@
 //! harmonic, up to the row of the largest one asked for.
 
 use super::families::{MAX_HARMONIC, Measure as M};
-use super::lanes::{Doubles, Lanes, Singles, TINY};
+use super::lanes::{Doubles, Lanes, Singles, TINY, WIDTH, beams};
 use super::polygon::{Directions, Outline};
 use super::values::{Ranges, Values};
 use crate::scan::N_BEAMS;
@@ -38,7 +38,7 @@ struct Row {
     products: [[Singles; 4]; B],
 }
 
-const ZERO: Singles = Lanes([0.0; super::lanes::WIDTH]);
+const ZERO: Singles = Lanes([0.0; WIDTH]);
 
 /// cos bθ and sin bθ, b = 1 … 5.
 type Powers = [[Singles; 2]; B];
@@ -94,7 +94,8 @@ impl Row {
     #[inline(always)]
     fn add(&mut self, z: &mut [[Singles; 2]; CHUNK], powers: &[Powers; CHUNK], step: &[[Singles; 2]; CHUNK]) {
         let mut sums = *self;
-        for ((z, powers), step) in z.iter_mut().zip(powers).zip(step) {
+        for i in beams(CHUNK, 1) {
+            let (z, powers, step) = (&mut z[i], &powers[i], &step[i]);
             sums.constant[0] += z[0];
             sums.constant[1] += z[1];
             for (sums, [cos, sin]) in sums.products.iter_mut().zip(powers) {
@@ -120,7 +121,8 @@ fn row_sums(d: &Ranges, directions: &Directions, outline: &Outline, n_rows: usiz
         let mut z = [[ZERO; 2]; CHUNK];
         let mut powers = [[[ZERO; 2]; B]; CHUNK];
         let mut row_step = [[ZERO; 2]; CHUNK];
-        for (i, vertex) in (start..start + CHUNK).enumerate() {
+        for i in beams(CHUNK, 1) {
+            let vertex = start + i;
             let u = direction(d, directions, outline, vertex);
             z[i] = [u_before[0] - u[0], u_before[1] - u[1]];
             u_before = u;
@@ -177,16 +179,16 @@ fn cos_sin(x: Singles) -> [Singles; 2] {
     let sin = polynomial([-1.951_529_6e-4, 8.332_161e-3, -1.666_665_5e-1]) * square * angle + angle;
     let cos = polynomial([2.443_315_7e-5, -1.388_731_6e-3, 4.166_664_6e-2]) * square * square;
     let cos = cos - square * 0.5 + Lanes::all(1.0);
-    let quarter = rounded.map(f32::to_bits);
-    let swap = |one: Singles, other: Singles| {
-        let both = one.zip(other, |one, other| (one, other));
-        both.zip(quarter, |(one, other), q| if q & 1 == 0 { one } else { other })
-    };
-    let signed = |value: Singles, minus: fn(u32) -> u32| {
-        value.zip(quarter, move |value, q| f32::from_bits(value.to_bits() ^ minus(q) << 31))
-    };
     // Quarter q: cos is cos, −sin, −cos, sin; sin is sin, cos, −sin, −cos.
-    [signed(swap(cos, sin), |q| (q + 1) >> 1 & 1), signed(swap(sin, cos), |q| q >> 1 & 1)]
+    let (quarter, cos, sin) = (rounded.map(f32::to_bits), cos.map(f32::to_bits), sin.map(f32::to_bits));
+    let exchanged =
+        cos.zip(sin, |cos, sin| cos ^ sin).zip(quarter, |both, q| both & 0u32.wrapping_sub(q & 1));
+    let cos = cos.zip(exchanged, |cos, bits| cos ^ bits);
+    let sin = sin.zip(exchanged, |sin, bits| sin ^ bits);
+    [
+        cos.zip(quarter, |cos, q| f32::from_bits(cos ^ (q.wrapping_add(1) & 2) << 30)),
+        sin.zip(quarter, |sin, q| f32::from_bits(sin ^ (q & 2) << 30)),
+    ]
 }
 
 #[cfg(test)]

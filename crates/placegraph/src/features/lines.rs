@@ -12,8 +12,7 @@
 use super::families::Measure as M;
 use super::lanes::{Lanes, Singles, WIDTH};
 use super::values::{Ranges, Values};
-use crate::geom::{Point2, Vec2};
-use crate::scan::{N_BEAMS, beam_direction};
+use crate::scan::N_BEAMS;
 
 const RANGE_MAX_M: f32 = 6.0;
 const GAP_M: f64 = 0.3;
@@ -22,120 +21,203 @@ const FARTHEST_M: f64 = 0.1;
 const N_MIN: usize = 5;
 const TOLERANCE_M: f64 = 1e-4;
 
+/// Points of a scan, twice around, so that any start can be first.
+struct Points {
+    x: [f64; 2 * N_BEAMS],
+    y: [f64; 2 * N_BEAMS],
+    /// Number of points once around.
+    n: usize,
+}
+
+/// A number per point: squared lengths.
+type Squares = [f64; N_BEAMS + 1];
+
 /// A8.
-pub(super) fn lines(d: &Ranges, values: &mut Values) {
-    let directions: Vec<Vec2> = (0..N_BEAMS).map(beam_direction).collect();
+#[inline(always)]
+pub(super) fn lines(d: &Ranges, along: &[(f64, f64); N_BEAMS], values: &mut Values) {
     let mut counts: Singles = Lanes::all(0.0);
-    let mut points = Vec::with_capacity(N_BEAMS + 1);
+    let mut points = Points::none();
     for lane in 0..WIDTH {
-        points.clear();
-        let near = d[..N_BEAMS].iter().zip(&directions).filter(|(range, _)| range.0[lane] < RANGE_MAX_M);
-        points.extend(near.map(|(range, along)| Point2::default() + *along * f64::from(range.0[lane])));
+        let mut n = 0;
+        for (range, along) in d.iter().zip(along) {
+            let range = range.0[lane];
+            // Written in any case, kept if near: without a branch, which nobody could foresee.
+            points.x[n] = along.0 * f64::from(range);
+            points.y[n] = along.1 * f64::from(range);
+            n += usize::from(range < RANGE_MAX_M);
+        }
+        points.n = n;
         counts.0[lane] = n_on_lines(&mut points) as f32;
     }
     values.set(M::BeamsOnLines, counts);
 }
 
-/// Number of points on lines; turns the ring of `points` to start after its widest step.
-fn n_on_lines(points: &mut Vec<Point2>) -> usize {
-    let n = points.len();
+impl Points {
+    fn none() -> Self {
+        Self { x: [0.0; 2 * N_BEAMS], y: [0.0; 2 * N_BEAMS], n: 0 }
+    }
+
+    #[inline(always)]
+    fn distance2(&self, one: usize, other: usize) -> f64 {
+        let (x, y) = (self.x[other] - self.x[one], self.y[other] - self.y[one]);
+        x * x + y * y
+    }
+}
+
+/// Number of points on lines.
+#[inline(always)]
+fn n_on_lines(points: &mut Points) -> usize {
+    let n = points.n;
     if n < N_MIN {
         return 0;
     }
-    let mut widest = (n - 1, distance2(points[n - 1], points[0]));
-    for (index, pair) in points.windows(2).enumerate() {
-        let step2 = distance2(pair[0], pair[1]);
-        if step2 > widest.1 {
-            widest = (index, step2);
-        }
-    }
-    let (widest, is_ring) = (widest.0, widest.1 <= (GAP_M + TOLERANCE_M).powi(2));
-    points.rotate_left((widest + 1) % n);
-    let mut on_line = [false; N_BEAMS + 1];
-    if is_ring {
+    points.x.copy_within(..n, n);
+    points.y.copy_within(..n, n);
+    let mut squares = [0.0; N_BEAMS + 1];
+    let widest = widest_step(points, &mut squares);
+    let gap2 = (GAP_M + TOLERANCE_M).powi(2);
+    let mut on_line = [false; 2 * N_BEAMS];
+    // The points from `start` on, which follows the widest step.
+    let start = (widest + 1) % n;
+    if squares[widest] <= gap2 {
         // The start is both ends of the ring, and its chord a point.
-        points.push(points[0]);
-        let opposite = farthest(points).0;
-        mark_lines(&points[..=opposite], &mut on_line[..=opposite]);
-        mark_lines(&points[opposite..], &mut on_line[opposite..=n]);
-        on_line[0] |= on_line[n];
+        let opposite = farthest(points, start, start + n, &mut squares).0;
+        mark_lines(points, start, opposite, &mut on_line, &mut squares);
+        mark_lines(points, opposite, start + n, &mut on_line, &mut squares);
+        on_line[start] |= on_line[start + n];
     } else {
-        let mut start = 0;
-        for end in 1..=n {
-            if end == n || distance2(points[end - 1], points[end]) > (GAP_M + TOLERANCE_M).powi(2) {
-                mark_lines(&points[start..end], &mut on_line[start..end]);
-                start = end;
+        let steps = squares;
+        let mut first = start;
+        for last in start..start + n {
+            if last + 1 == start + n || steps[if last < n { last } else { last - n }] > gap2 {
+                mark_lines(points, first, last, &mut on_line, &mut squares);
+                first = last + 1;
             }
         }
     }
-    on_line[..n].iter().filter(|&&marked| marked).count()
+    on_line[start..start + n].iter().filter(|&&marked| marked).count()
 }
 
-fn distance2(p: Point2, q: Point2) -> f64 {
-    (q - p).dot(q - p)
-}
-
-/// Splits the arc of `points` until its parts are straight, and marks those that are lines.
-fn mark_lines(points: &[Point2], on_line: &mut [bool]) {
-    let n = points.len();
-    if n < N_MIN || distance2(points[0], points[n - 1]) < (CHORD_MIN_M - TOLERANCE_M).powi(2) {
-        return;
+/// The point before the widest step; of equal ones, that before the first point, else the first.
+#[inline(always)]
+fn widest_step(points: &Points, steps2: &mut Squares) -> usize {
+    let n = points.n;
+    let (x, y) = (&points.x[..=n], &points.y[..=n]);
+    for (i, step2) in steps2[..n].iter_mut().enumerate() {
+        let (x, y) = (x[i + 1] - x[i], y[i + 1] - y[i]);
+        *step2 = x * x + y * y;
     }
-    let (index, distance) = farthest(points);
-    if distance > FARTHEST_M + TOLERANCE_M {
-        mark_lines(&points[..=index], &mut on_line[..=index]);
-        mark_lines(&points[index..], &mut on_line[index..]);
-    } else {
-        on_line.fill(true);
-    }
+    let (first, largest) = largest(&steps2[..n]);
+    if steps2[n - 1] >= largest { n - 1 } else { first }
 }
 
-/// The point farthest from the line through the first and the last, or from them if they are the same.
-fn farthest(points: &[Point2]) -> (usize, f64) {
-    let (first, last) = (points[0], points[points.len() - 1]);
-    let chord = last - first;
-    let length2 = chord.dot(chord);
-    // Squared distance, times the squared length of the chord if it has one.
-    let distance2 = |point: Point2| {
-        let step = point - first;
-        if length2 > 0.0 { step.cross(chord) * step.cross(chord) } else { step.dot(step) }
-    };
-    let mut best = (0, 0.0);
-    for (index, &point) in points.iter().enumerate() {
-        let here = distance2(point);
-        if here > best.1 {
-            best = (index, here);
+/// Splits the arc from point `first` to `last` until its parts are straight, and marks those that are lines.
+#[inline(always)]
+fn mark_lines(
+    points: &Points,
+    first: usize,
+    last: usize,
+    on_line: &mut [bool; 2 * N_BEAMS],
+    squares: &mut Squares,
+) {
+    let chord2 = (CHORD_MIN_M - TOLERANCE_M).powi(2);
+    let mut parts = vec![(first, last)];
+    while let Some((first, last)) = parts.pop() {
+        if last + 1 - first < N_MIN || points.distance2(first, last) < chord2 {
+            continue;
+        }
+        let (index, distance) = farthest(points, first, last, squares);
+        if distance > FARTHEST_M + TOLERANCE_M {
+            parts.extend([(first, index), (index, last)]);
+        } else {
+            on_line[first..=last].fill(true);
         }
     }
-    (best.0, (if length2 > 0.0 { best.1 / length2 } else { best.1 }).sqrt())
+}
+
+/// The point from `first` to `last` that is farthest from the line through these two, or from them if they are the
+/// same.
+#[inline(always)]
+fn farthest(points: &Points, first: usize, last: usize, squares: &mut Squares) -> (usize, f64) {
+    let (x, y) = (&points.x[first..=last], &points.y[first..=last]);
+    let squares = &mut squares[..x.len()];
+    let (x_0, y_0) = (x[0], y[0]);
+    let chord = (points.x[last] - x_0, points.y[last] - y_0);
+    let length2 = points.distance2(first, last);
+    // Squared distance, times the squared length of the chord if it has one.
+    if length2 > 0.0 {
+        for ((square, x), y) in squares.iter_mut().zip(x).zip(y) {
+            let cross = (x - x_0) * chord.1 - (y - y_0) * chord.0;
+            *square = cross * cross;
+        }
+    } else {
+        for ((square, x), y) in squares.iter_mut().zip(x).zip(y) {
+            *square = (x - x_0) * (x - x_0) + (y - y_0) * (y - y_0);
+        }
+    }
+    let (index, square) = largest(squares);
+    (first + index, (if length2 > 0.0 { square / length2 } else { square }).sqrt())
+}
+
+/// The largest of numbers that are not negative, and where it first stands.
+#[inline(always)]
+fn largest(numbers: &[f64]) -> (usize, f64) {
+    // In eight parts, which the compiler puts side by side.
+    const PARTS: usize = 8;
+    let (mut largest, mut chunk_of) = ([0.0; PARTS], [0u64; PARTS]);
+    let (chunks, rest) = numbers.as_chunks::<PARTS>();
+    for (number, chunk) in chunks.iter().enumerate() {
+        for part in 0..PARTS {
+            let larger = chunk[part] > largest[part];
+            largest[part] = if larger { chunk[part] } else { largest[part] };
+            chunk_of[part] = if larger { number as u64 } else { chunk_of[part] };
+        }
+    }
+    let mut best = (0, 0.0);
+    for part in 0..PARTS {
+        let (index, number) = (chunk_of[part] as usize * PARTS + part, largest[part]);
+        if number > best.1 || number >= best.1 && index < best.0 {
+            best = (index, number);
+        }
+    }
+    for (index, &number) in rest.iter().enumerate() {
+        if number > best.1 {
+            best = (chunks.len() * PARTS + index, number);
+        }
+    }
+    best
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    fn count(of_points: impl Iterator<Item = (f64, f64)>) -> usize {
+        let mut points = Points::none();
+        for (x, y) in of_points {
+            (points.x[points.n], points.y[points.n]) = (x, y);
+            points.n += 1;
+        }
+        n_on_lines(&mut points)
+    }
+
     #[test]
     fn a_rectangle_is_four_lines() {
-        let mut points = Vec::new();
-        for i in 0..20 {
-            points.push(Point2::new(0.1 * i as f64, 0.0));
-        }
-        for i in 0..20 {
-            points.push(Point2::new(2.0, 0.1 * i as f64));
-        }
-        for i in 0..20 {
-            points.push(Point2::new(2.0 - 0.1 * i as f64, 2.0));
-        }
-        for i in 0..20 {
-            points.push(Point2::new(0.0, 2.0 - 0.1 * i as f64));
-        }
-        assert_eq!(n_on_lines(&mut points), 80);
+        let side = |i: usize| 0.1 * i as f64;
+        let corner = |i: usize| match i / 20 {
+            0 => (side(i), 0.0),
+            1 => (2.0, side(i % 20)),
+            2 => (2.0 - side(i % 20), 2.0),
+            _ => (0.0, 2.0 - side(i % 20)),
+        };
+        assert_eq!(count((0..80).map(corner)), 80);
+        // Without one side and what is near it, three lines are left, and a gap.
+        assert_eq!(count((0..60).map(corner)), 60);
     }
 
     #[test]
     fn scattered_points_are_no_line() {
-        let mut points: Vec<_> = (0..20).map(|i| Point2::new(i as f64, 0.0)).collect();
-        assert_eq!(n_on_lines(&mut points), 0);
-        assert_eq!(n_on_lines(&mut Vec::new()), 0);
+        assert_eq!(count((0..20).map(|i| (i as f64, 0.0))), 0);
+        assert_eq!(count(std::iter::empty()), 0);
     }
 }

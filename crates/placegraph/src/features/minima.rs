@@ -8,7 +8,7 @@
 use super::families::Measure as M;
 use super::lanes::{Lanes, Singles, WIDTH};
 use super::values::{Ranges, Values};
-use crate::scan::{N_BEAMS, beam_direction};
+use crate::scan::N_BEAMS;
 
 /// Rise on both sides of a minimum, in meters: two cells of 5 cm (δ of the book, for which no value is known).
 const PROMINENCE_M: f32 = 0.1;
@@ -21,17 +21,13 @@ struct Minimum {
 }
 
 /// A9 and A10.
-pub(super) fn minima(d: &Ranges, values: &mut Values) {
+#[inline(always)]
+pub(super) fn minima(d: &Ranges, along: &[(f64, f64); N_BEAMS], values: &mut Values) {
     let (mut distance, mut angle): (Singles, Singles) = (Lanes::all(0.0), Lanes::all(0.0));
-    let mut scan = [0.0; N_BEAMS];
-    let mut found = Vec::new();
-    for lane in 0..WIDTH {
-        for (range, lanes) in scan.iter_mut().zip(d) {
-            *range = lanes.0[lane];
-        }
-        local_minima(&scan, &mut found);
-        if let Some((one, other)) = two_deepest(&found) {
-            let (p, q) = (end_point(&scan, one.half_beams), end_point(&scan, other.half_beams));
+    for (lane, found) in local_minima(d).iter().enumerate() {
+        if let Some((one, other)) = two_deepest(found) {
+            let point = |half_beams| end_point(d, lane, along, half_beams);
+            let (p, q) = (point(one.half_beams), point(other.half_beams));
             distance.0[lane] = (p.0 - q.0).hypot(p.1 - q.1) as f32;
             angle.0[lane] = apart(one, other) as f32 * (180.0 / N_BEAMS as f32);
         }
@@ -40,38 +36,72 @@ pub(super) fn minima(d: &Ranges, values: &mut Values) {
     values.set(M::MinimaAngle, angle);
 }
 
-/// Fills `found` with the minima of the circular scan that rise by the prominence on both sides.
+/// The minima of every circular scan that rise by the prominence on both sides.
 ///
-/// Goes around once from the longest beam, and in turn follows a descent until it has risen by the prominence
-/// from its lowest beam, and a rise until it has fallen by the prominence from its highest.
-fn local_minima(scan: &[f32; N_BEAMS], found: &mut Vec<Minimum>) {
-    found.clear();
-    let start = (1..N_BEAMS).fold(0, |best, i| if scan[i] > scan[best] { i } else { best });
-    let (mut highest, mut lowest) = (scan[start], f32::INFINITY);
-    let (mut first, mut last) = (0, 0);
-    let mut descending = false;
-    for beam in start..=start + N_BEAMS {
-        let range = scan[beam % N_BEAMS];
-        if !descending {
-            highest = highest.max(range);
-            if range > highest - PROMINENCE_M {
-                continue;
+/// Goes around once from the longest beam, and in turn follows a descent until it has risen by the prominence from its
+/// lowest beam, and a rise until it has fallen by the prominence from its highest. All scans take a step together.
+#[inline(always)]
+fn local_minima(d: &Ranges) -> [Vec<Minimum>; WIDTH] {
+    let mut found: [Vec<Minimum>; WIDTH] = std::array::from_fn(|_| Vec::new());
+    let (mut highest, starts) = longest(d);
+    let turned = from_starts(d, &starts);
+    let mut lowest = Lanes::all(f32::INFINITY);
+    let mut first = [0u32; WIDTH];
+    let mut last = [0u32; WIDTH];
+    let mut descending = [0u32; WIDTH];
+    for (step, ranges) in turned.iter().enumerate() {
+        let mut risen = [0u32; WIDTH];
+        for lane in 0..WIDTH {
+            let (range, descended) = (ranges.0[lane], descending[lane] != 0);
+            let high = if !descended && range > highest.0[lane] { range } else { highest.0[lane] };
+            let descends = descended || range <= high - PROMINENCE_M;
+            let low = if descended { lowest.0[lane] } else { f32::INFINITY };
+            let lower = descends && range < low;
+            let low = if lower { range } else { low };
+            let rises = descends && range >= low + PROMINENCE_M;
+            first[lane] = if lower { step as u32 } else { first[lane] };
+            last[lane] = if descends && range <= low { step as u32 } else { last[lane] };
+            lowest.0[lane] = low;
+            highest.0[lane] = if rises { range } else { high };
+            risen[lane] = u32::from(rises);
+            descending[lane] = u32::from(descends && !rises);
+        }
+        if risen.iter().fold(0, |any, risen| any | risen) != 0 {
+            for lane in (0..WIDTH).filter(|&lane| risen[lane] != 0) {
+                let half_beams = (2 * starts[lane] + first[lane] + last[lane]) as usize % (2 * N_BEAMS);
+                found[lane].push(Minimum { range: lowest.0[lane], half_beams });
             }
-            descending = true;
-            lowest = f32::INFINITY;
-        }
-        if range < lowest {
-            (lowest, first) = (range, beam);
-        }
-        if range <= lowest {
-            last = beam;
-        }
-        if range >= lowest + PROMINENCE_M {
-            found.push(Minimum { range: lowest, half_beams: (first + last) % (2 * N_BEAMS) });
-            descending = false;
-            highest = range;
         }
     }
+    found
+}
+
+/// The longest range of every scan, and the first beam that has it.
+#[inline(always)]
+fn longest(d: &Ranges) -> (Singles, [u32; WIDTH]) {
+    let (mut longest, mut beams) = (d[0], [0; WIDTH]);
+    for (beam, ranges) in d[..N_BEAMS].iter().enumerate() {
+        for lane in 0..WIDTH {
+            let longer = ranges.0[lane] > longest.0[lane];
+            beams[lane] = if longer { beam as u32 } else { beams[lane] };
+            longest.0[lane] = if longer { ranges.0[lane] } else { longest.0[lane] };
+        }
+    }
+    (longest, beams)
+}
+
+/// Every scan turned to begin, and end, with its start.
+#[inline(always)]
+fn from_starts(d: &Ranges, starts: &[u32; WIDTH]) -> Ranges {
+    let mut turned = [Lanes::all(0.0); N_BEAMS + 1];
+    for lane in 0..WIDTH {
+        let (before, after) = d[..N_BEAMS].split_at(starts[lane] as usize);
+        let (first, last) = turned.split_at_mut(after.len());
+        first.iter_mut().zip(after).for_each(|(turned, ranges)| turned.0[lane] = ranges.0[lane]);
+        last.iter_mut().zip(before).for_each(|(turned, ranges)| turned.0[lane] = ranges.0[lane]);
+        turned[N_BEAMS].0[lane] = turned[0].0[lane];
+    }
+    turned
 }
 
 /// The deepest minimum and the next, farthest apart among equals.
@@ -101,10 +131,10 @@ fn apart(one: Minimum, other: Minimum) -> usize {
 }
 
 /// The end point of a beam, or half way between those of two neighbors; in meters from the robot.
-fn end_point(scan: &[f32; N_BEAMS], half_beams: usize) -> (f64, f64) {
+fn end_point(d: &Ranges, lane: usize, along: &[(f64, f64); N_BEAMS], half_beams: usize) -> (f64, f64) {
     let point = |beam: usize| {
-        let (direction, range) = (beam_direction(beam % N_BEAMS), f64::from(scan[beam % N_BEAMS]));
-        (direction.x * range, direction.y * range)
+        let (direction, range) = (along[beam % N_BEAMS], f64::from(d[beam % N_BEAMS].0[lane]));
+        (direction.0 * range, direction.1 * range)
     };
     let (p, q) = (point(half_beams / 2), point(half_beams.div_ceil(2)));
     (0.5 * (p.0 + q.0), 0.5 * (p.1 + q.1))
@@ -115,13 +145,13 @@ mod tests {
     use super::*;
 
     fn minima_of(changes: &[(usize, f32)]) -> Vec<Minimum> {
-        let mut scan = [2.0; N_BEAMS];
+        let mut d = [Lanes::all(2.0); N_BEAMS + 1];
         for &(beam, range) in changes {
-            scan[beam] = range;
+            // Another scan in the other lanes.
+            d[beam].0[3] = range;
         }
-        let mut found = Vec::new();
-        local_minima(&scan, &mut found);
-        found
+        d[N_BEAMS] = d[0];
+        local_minima(&d)[3].clone()
     }
 
     #[test]

@@ -8,7 +8,7 @@
 //! sign(φ) log10(1 + |φ| / 1e-40), which is monotone, so that no decision stump can tell.
 
 use super::families::Measure as M;
-use super::lanes::{Doubles, Lanes};
+use super::lanes::{Doubles, Lanes, beams};
 use super::polygon::Outline;
 use super::values::{Ranges, Values};
 use crate::scan::{N_BEAMS, beam_direction};
@@ -26,13 +26,15 @@ pub(super) fn directions() -> [(f64, f64); N_BEAMS] {
 #[inline(always)]
 pub(super) fn moments(d: &Ranges, along: &[(f64, f64); N_BEAMS], outline: &Outline, values: &mut Values) {
     let [mut sum_x, mut sum_y] = [Lanes::all(0.0); 2];
-    for (d, along) in d.iter().zip(along) {
+    for beam in beams(N_BEAMS, 1) {
+        let (d, along) = (d[beam], along[beam]);
         sum_x += d.double() * along.0;
         sum_y += d.double() * along.1;
     }
     let (mean_x, mean_y) = (sum_x * (1.0 / N), sum_y * (1.0 / N));
     let [mut m20, mut m11, mut m02, mut m30, mut m21, mut m12, mut m03] = [Lanes::all(0.0); 7];
-    for (d, along) in d.iter().zip(along) {
+    for beam in beams(N_BEAMS, 1) {
+        let (d, along) = (d[beam], along[beam]);
         let (x, y) = (d.double() * along.0 - mean_x, d.double() * along.1 - mean_y);
         let (xx, xy, yy) = (x * x, x * y, y * y);
         m20 += xx;

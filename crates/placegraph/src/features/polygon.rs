@@ -7,7 +7,7 @@
 use std::f32::consts::PI;
 
 use super::families::Measure as M;
-use super::lanes::{Lanes, Singles, TINY, mean_and_sd, sum};
+use super::lanes::{Lanes, Singles, TINY, beams, mean_and_sd, sum};
 use super::values::{Ranges, Values};
 use crate::scan::{N_BEAMS, beam_direction};
 
@@ -42,12 +42,21 @@ impl Outline {
     pub(super) fn new(d: &Ranges) -> Self {
         let [sector, chord] = [sin_deg(1.0), 4.0 * sin_deg(0.5) * sin_deg(0.5)];
         let mut edges = [Lanes::all(0.0); N_BEAMS];
-        for i in 0..N_BEAMS {
+        for i in beams(N_BEAMS, 1) {
             let difference = d[i] - d[i + 1];
             edges[i] = (difference * difference + d[i] * d[i + 1] * chord).sqrt();
         }
-        let area = sum(N_BEAMS, |i| d[i] * d[i + 1]) * (0.5 * sector);
-        Self { area, perimeter: sum(N_BEAMS, |i| edges[i]), edges }
+        let area = sum(
+            N_BEAMS,
+            #[inline(always)]
+            |i| d[i] * d[i + 1],
+        );
+        let perimeter = sum(
+            N_BEAMS,
+            #[inline(always)]
+            |i| edges[i],
+        );
+        Self { area: area * (0.5 * sector), perimeter, edges }
     }
 
     /// `value`, or 0 where the polygon is a point.
@@ -80,9 +89,10 @@ pub(super) fn areas(outline: &Outline, values: &mut Values) {
 pub(super) fn radii(d: &Ranges, directions: &Directions, outline: &Outline, values: &mut Values) {
     let Directions { cos, sin } = directions;
     // The centroid: triangles from the robot, each weighted by its area.
-    let weight = outline.area.map(|area| sin_deg(1.0) / (6.0 * area).max(TINY));
+    let sector = sin_deg(1.0);
+    let weight = outline.area.map(|area| sector / (6.0 * area).max(TINY));
     let [mut centroid_x, mut centroid_y] = [Lanes::all(0.0); 2];
-    for i in 0..N_BEAMS {
+    for i in beams(N_BEAMS, 1) {
         let sector = d[i] * d[i + 1];
         centroid_x += (d[i] * cos[i] + d[i + 1] * cos[i + 1]) * sector;
         centroid_y += (d[i] * sin[i] + d[i + 1] * sin[i + 1]) * sector;
@@ -90,12 +100,16 @@ pub(super) fn radii(d: &Ranges, directions: &Directions, outline: &Outline, valu
     (centroid_x, centroid_y) = (centroid_x * weight, centroid_y * weight);
     let mut radii = [Lanes::all(0.0); N_BEAMS];
     let mut largest = Lanes::all(TINY);
-    for i in 0..N_BEAMS {
+    for i in beams(N_BEAMS, 1) {
         let (x, y) = (d[i] * cos[i] - centroid_x, d[i] * sin[i] - centroid_y);
         radii[i] = (x * x + y * y).sqrt();
         largest = largest.max(radii[i]);
     }
-    let (mean, sd) = mean_and_sd(N_BEAMS, |i| radii[i]);
+    let (mean, sd) = mean_and_sd(
+        N_BEAMS,
+        #[inline(always)]
+        |i| radii[i],
+    );
     let mut set = |measure, value| values.set(measure, outline.or_zero(value));
     set(M::MeanRadius, mean);
     set(M::SdRadius, sd);
