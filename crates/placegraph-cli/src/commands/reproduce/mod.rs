@@ -79,7 +79,7 @@ fn reproduce(buildings: &[Building; 3], settings: &Settings, verbose: bool) -> R
     let [b79, ..] = buildings;
     let mut made = Vec::new();
     let trials = trial::trials(buildings, settings);
-    let mut steps = Steps { n_steps: trials.len() + 3, n_begun: 0, verbose };
+    let mut steps = Steps { n_in_all: trials.len() + 3, n_begun: 0, verbose };
     for trial in &trials {
         let one = steps.step(trial.title, |watch| trial.make(watch))?;
         add_pictures(&mut pictures, trial, &one)?;
@@ -115,7 +115,7 @@ fn reproduce(buildings: &[Building; 3], settings: &Settings, verbose: bool) -> R
 
 /// The experiments in turn, each under a progress bar that tells how many there are.
 struct Steps {
-    n_steps: usize,
+    n_in_all: usize,
     n_begun: usize,
     verbose: bool,
 }
@@ -123,7 +123,7 @@ struct Steps {
 impl Steps {
     fn step<T>(&mut self, what: &str, work: impl FnOnce(&Watch) -> Result<T>) -> Result<T> {
         self.n_begun += 1;
-        let watch = Watch::start(&format!("{}/{} {what}", self.n_begun, self.n_steps));
+        let watch = Watch::start(&format!("{}/{} {what}", self.n_begun, self.n_in_all));
         let done = work(&watch);
         let stages = watch.finish();
         if self.verbose {
