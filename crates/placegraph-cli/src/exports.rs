@@ -93,7 +93,7 @@ impl<'a> Subject<'a> {
             metric_map: name.clone(),
             name,
             frame_id: self.document.map.frame_id.clone(),
-            last_updated: timestamp(SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()),
+            last_updated: timestamp(fixed_time().unwrap_or_else(now)),
         }
     }
 
@@ -148,6 +148,16 @@ pub(crate) fn file_names(format: Format, main: &str) -> Result<Vec<String>> {
         names.extend(stem.iter().flat_map(|stem| [format!("{stem}.png"), format!("{stem}_params.yaml")]));
     }
     Ok(names)
+}
+
+/// The time that results shall bear, from `SOURCE_DATE_EPOCH`: with it, nothing in them tells the clock.
+pub(crate) fn fixed_time() -> Option<Duration> {
+    let seconds: u32 = std::env::var("SOURCE_DATE_EPOCH").ok()?.parse().ok()?;
+    Some(Duration::from_secs(seconds.into()))
+}
+
+fn now() -> Duration {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
 }
 
 /// The time `since_1970` in UTC as `MM-DD-YYYY_HH-MM-SS`.

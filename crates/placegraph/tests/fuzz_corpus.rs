@@ -48,3 +48,23 @@ fn carmen() {
 fn label_image() {
     replay("label_image", fuzz_targets::label_image);
 }
+
+#[test]
+fn model() {
+    replay("model", fuzz_targets::model);
+}
+
+#[test]
+fn topology() {
+    replay("topology", fuzz_targets::topology);
+}
+
+#[test]
+fn training_file() {
+    replay("training_file", fuzz_targets::training_file);
+}
+
+#[test]
+fn edits() {
+    replay("edits", fuzz_targets::edits);
+}
