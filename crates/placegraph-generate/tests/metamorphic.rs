@@ -81,21 +81,17 @@ fn on_cells<T: Clone>(graph: &CellGraph, values: &[T]) -> Grid<Option<T>> {
     grid
 }
 
-/// The labels after every stage, as grids.
-struct Stages(Vec<(&'static str, Grid<Option<Label>>)>);
+/// The labels after classification, after smoothing, and at the end, as grids.
+struct Stages([(&'static str, Grid<Option<Label>>); 3]);
 
 impl Stages {
     fn of(map: &OccupancyGrid, model: &Model) -> Self {
-        let raw = Config { doorways: Doorways::Skip, correction: Correction::Skip, ..Config::default() };
-        let marked = Config { correction: Correction::Skip, ..Config::default() };
-        let (plain, marked, all) =
-            (analyze(map, model, &raw, &Silent), analyze(map, model, &marked, &Silent), run(map, model));
-        let grid = |labels: &[Label]| on_cells(&plain.graph, labels);
-        Self(vec![
-            ("classified", grid(&plain.classified.most_likely())),
-            ("smoothed", grid(&plain.smoothed.most_likely())),
-            ("with doorways", grid(&marked.labeling)),
-            ("corrected", grid(&all.labeling)),
+        let found = run(map, model);
+        let grid = |labels: &[Label]| on_cells(&found.graph, labels);
+        Self([
+            ("classified", grid(&found.classified.most_likely())),
+            ("smoothed", grid(&found.smoothed.most_likely())),
+            ("at the end", grid(&found.labeling)),
         ])
     }
 }
@@ -136,7 +132,7 @@ impl Alike {
 }
 
 #[track_caller]
-fn assert_shares(alike: &Alike, what: &str, least: [f64; 4]) {
+fn assert_shares(alike: &Alike, what: &str, least: [f64; 3]) {
     let shares = alike.shares(what);
     assert!(shares.iter().zip(least).all(|(share, least)| *share >= least), "{what}: {shares:?} < {least:?}");
 }
@@ -145,7 +141,7 @@ fn assert_shares(alike: &Alike, what: &str, least: [f64; 4]) {
 fn turned_and_mirrored_maps_have_turned_and_mirrored_labels() {
     let model = model();
     let (mut quarter, mut half, mut mirror) = (Alike::default(), Alike::default(), Alike::default());
-    for map in buildings(6) {
+    for map in buildings(3) {
         let stages = Stages::of(&map, &model);
         quarter.add(&stages, &Stages::of(&changed(&map, turned), &model), turned);
         half.add(&stages, &Stages::of(&changed(&map, |c| turned(&turned(c))), &model), |c| {
@@ -153,21 +149,24 @@ fn turned_and_mirrored_maps_have_turned_and_mirrored_labels() {
         });
         mirror.add(&stages, &Stages::of(&changed(&map, mirrored), &model), mirrored);
     }
-    assert_shares(&quarter, "turned by 90 degrees", [0.0; 4]);
-    assert_shares(&half, "turned by 180 degrees", [0.0; 4]);
-    assert_shares(&mirror, "mirrored", [0.0; 4]);
+    // Scans turn exactly. Features are of 32 bits and sum the beams in another order, which can turn a stump over; two
+    // gates that are equally narrow go to the first, which is another one in the turned map.
+    assert_shares(&quarter, "turned by 90 degrees", [0.9999, 0.9999, 0.995]);
+    assert_shares(&half, "turned by 180 degrees", [0.9999, 0.9999, 0.995]);
+    assert_shares(&mirror, "mirrored", [0.9999, 0.9999, 0.995]);
 }
 
 #[test]
 fn cells_split_in_four_keep_their_labels() {
     let model = model();
     let mut alike = Alike::default();
-    for map in buildings(3) {
+    for map in buildings(2) {
         let frame = MapFrame::new(map.frame.resolution_m() / 2.0, map.frame.map_from_grid()).unwrap();
         let fine = OccupancyGrid { frame, cells: refined(&map.cells) };
         alike.add(&Stages::of(&map, &model), &Stages::of(&fine, &model), refined);
     }
-    assert_shares(&alike, "split in four", [0.0; 4]);
+    // Scans start from the middle of a cell: those of its quarters see other corners.
+    assert_shares(&alike, "split in four", [0.90, 0.93, 0.92]);
 }
 
 /// All that a run finds, as bits.
@@ -180,8 +179,8 @@ fn bits(found: &Analysis) -> (Vec<u32>, Vec<u32>, Labeling, Vec<u32>) {
 #[test]
 fn unknown_cells_around_a_map_change_no_bit() {
     let model = model();
-    for (index, map) in buildings(4).iter().enumerate() {
-        let by = [[1, 0, 0, 0], [0, 0, 3, 0], [63, 7, 5, 64], [13, 130, 70, 1]][index % 4];
+    for (index, map) in buildings(3).iter().enumerate() {
+        let by = [[1, 0, 3, 0], [63, 7, 5, 64], [13, 130, 70, 1]][index % 3];
         let wider = changed(map, |cells| padded(cells, by, &Occupancy::Unknown));
         assert!(bits(&run(map, &model)) == bits(&run(&wider, &model)), "building {index}, padded by {by:?}");
     }
@@ -223,7 +222,7 @@ fn every_dispatch_path_gives_the_same_bits() {
 #[test]
 fn fields_are_distributions_and_regions_partition_the_free_cells() {
     let model = model();
-    for map in buildings(4) {
+    for map in buildings(2) {
         let found = run(&map, &model);
         for field in [&found.classified, &found.smoothed] {
             for node in 0..field.n_nodes() {
@@ -251,7 +250,7 @@ fn fields_are_distributions_and_regions_partition_the_free_cells() {
 #[test]
 fn correcting_twice_is_correcting_once() {
     let model = model();
-    for map in buildings(4) {
+    for map in buildings(3) {
         let raw = Config { doorways: Doorways::Skip, correction: Correction::Skip, ..Config::default() };
         let found = analyze(&map, &model, &raw, &Silent);
         let resolution_m = map.frame.resolution_m();
@@ -269,7 +268,7 @@ fn correcting_twice_is_correcting_once() {
 #[test]
 fn what_is_written_is_read_and_written_again_with_the_same_bytes() {
     let model = model();
-    for (index, map) in buildings(4).into_iter().enumerate() {
+    for (index, map) in buildings(3).into_iter().enumerate() {
         let pose = Pose2::new(-17.3, 4.1 + index as f64, 0.3 * index as f64);
         let map = OccupancyGrid { frame: MapFrame::new(0.1, pose).unwrap(), ..map };
         let found = run(&map, &model);
@@ -315,7 +314,7 @@ fn renumbered(model: &Model, to: &[usize]) -> Model {
 fn classes_in_another_order_label_the_same() {
     let model = model();
     let mut alike = Alike::default();
-    for map in buildings(3) {
+    for map in buildings(2) {
         let stages = Stages::of(&map, &model);
         for to in [[1, 2, 0], [0, 2, 1], [2, 1, 0]] {
             let found = Stages::of(&map, &renumbered(&model, &to));
@@ -323,5 +322,6 @@ fn classes_in_another_order_label_the_same() {
             alike.add(&stages, &found, |labels| labels.map(rename));
         }
     }
-    assert_shares(&alike, "classes in another order", [1.0, 0.0, 0.0, 0.0]);
+    // The smoothing sums over the classes; borders of equal cost go to the lower label.
+    assert_shares(&alike, "classes in another order", [1.0, 0.9999, 0.999]);
 }

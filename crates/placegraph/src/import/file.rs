@@ -5,7 +5,7 @@ use std::fs::{self, File, Metadata};
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 
-use super::{MapError, image};
+use super::{MapError, carmen, image};
 
 /// Largest YAML or TOML file that is read, in bytes.
 pub const MAX_TEXT_BYTES: u64 = 1 << 20;
@@ -14,7 +14,7 @@ const OVERHEAD_BYTES: u64 = 1 << 24;
 /// Plain PNM spends up to 18 bytes a cell; everything else is smaller.
 const BYTES_PER_CELL: u64 = 18;
 /// Enough for the header of any image.
-const HEAD_BYTES: u64 = 1 << 12;
+const HEAD_BYTES: u64 = 1 << 16;
 
 /// Where a file may lie that another file names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,7 +46,9 @@ pub fn read_cells(path: &Path, max_cells: u64) -> Result<Vec<u8>, MapError> {
             MapError::check_size(width, height, max_cells)?;
             Ok(max_bytes(width * height))
         }
-        None => Ok(max_bytes(max_cells)),
+        None if carmen::is_carmen(head) => Ok(max_bytes(max_cells)),
+        // No header that is read: the decoder says what is wrong, whatever follows.
+        None => image::decode(head, max_cells).map(|_| OVERHEAD_BYTES),
     })
 }
 
