@@ -93,7 +93,8 @@ impl<'a> Subject<'a> {
             metric_map: name.clone(),
             name,
             frame_id: self.document.map.frame_id.clone(),
-            last_updated: timestamp(source_date()),
+            // The same map gives the same bytes whenever it is exported.
+            last_updated: timestamp(fixed_time().unwrap_or_default()),
         }
     }
 
@@ -161,12 +162,10 @@ pub(crate) fn file_names(format: Format, main: &str) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// The time since 1970 that the environment gives to files [reproducible-builds.org], or none: the same map gives the same
-/// bytes whenever it is exported.
-fn source_date() -> Duration {
-    let seconds = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|seconds| seconds.parse().ok());
-    // The format has room for four digits of a year.
-    Duration::from_secs(seconds.unwrap_or(0).min(253_402_300_799))
+/// The time that results shall bear, from `SOURCE_DATE_EPOCH`: with it, nothing in them tells the clock.
+pub(crate) fn fixed_time() -> Option<Duration> {
+    let seconds: u32 = std::env::var("SOURCE_DATE_EPOCH").ok()?.parse().ok()?;
+    Some(Duration::from_secs(seconds.into()))
 }
 
 /// The time `since_1970` in UTC as `MM-DD-YYYY_HH-MM-SS`.

@@ -8,8 +8,8 @@ use anyhow::{Context, Result, ensure};
 use placegraph::export::{
     MapInfo, TopologyDocument, label_png, overview_png, probability_npy, raster_yaml, region_png,
 };
-use placegraph::grid::{CellGraph, Grid};
-use placegraph::import::{LoadedMap, check};
+use placegraph::grid::{CellGraph, Grid, Occupancy};
+use placegraph::import::{LoadedMap, check, has_memory};
 use placegraph::labels::LabelField;
 use placegraph::model::sha256_hex;
 use placegraph::pipeline::{self, Analysis, Correction, Doorways};
@@ -23,6 +23,7 @@ use crate::masks::Masks;
 use crate::model::NamedModel;
 use crate::output::OutputSet;
 use crate::progress::Watch;
+use crate::read;
 
 /// The name of the file that says what a result was made of. It is put in place last: where it is, the others
 /// are.
@@ -87,6 +88,13 @@ impl<'a> Setup<'a> {
 
     /// Labels `map`.
     pub(crate) fn label(&self, map: &LoadedMap, watch: &Watch) -> Result<Labeled> {
+        let n_free = map.grid.count(Occupancy::Free) as u64;
+        let n_labels = self.model.model.label_set.len();
+        let n_bytes = pipeline::memory_bytes(map.grid.cells.values().len() as u64, n_free, n_labels);
+        ensure!(
+            has_memory(n_bytes),
+            "expected {n_bytes} bytes of memory to label {n_free} free cells, found less"
+        );
         let info = MapInfo::of(&map.grid, &map.name, &map.hash);
         if let Some(found) = self.previous_frame_id.as_ref().filter(|found| **found != info.frame_id) {
             anyhow::bail!("expected an earlier result in the frame {:?}, found {found:?}", info.frame_id);
@@ -99,8 +107,11 @@ impl<'a> Setup<'a> {
         document.program.options.clone_from(&self.options);
         document.findings = check(map).findings.iter().map(ToString::to_string).collect();
         document.findings.extend(self.unapplied_edits(&analysis));
-        let in_ms = |(stage, time): &(Stage, Duration)| (stage.name().to_owned(), time.as_secs_f64() * 1e3);
-        document.timings_ms = timings.iter().map(in_ms).collect();
+        if exports::fixed_time().is_none() {
+            let in_ms =
+                |(stage, time): &(Stage, Duration)| (stage.name().to_owned(), time.as_secs_f64() * 1e3);
+            document.timings_ms = timings.iter().map(in_ms).collect();
+        }
         Ok(Labeled { document, analysis, timings })
     }
 
@@ -177,8 +188,7 @@ impl<'a> Setup<'a> {
 }
 
 fn read_edits(path: &Path) -> Result<EditFile> {
-    let text = std::fs::read_to_string(path)
-        .with_context(|| format!("could not read the edit file {}", path.display()))?;
+    let text = read::text(path, "edit file")?;
     EditFile::from_toml(&text).with_context(|| format!("in {}", path.display()))
 }
 

@@ -4,8 +4,8 @@ mod args;
 mod commands;
 mod document;
 mod exports;
+mod guard;
 mod labeling;
-mod manifest;
 mod masks;
 mod model;
 mod output;
@@ -24,7 +24,8 @@ use crate::commands::{
 
 fn main() -> ExitCode {
     let cli = Cli::parse();
-    match run(&cli) {
+    guard::install();
+    match guard::guarded(|| run(&cli)) {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::CheckFailed) => ExitCode::from(1),
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
@@ -36,12 +37,11 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<Outcome> {
-    if let Some(threads) = cli.threads {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build_global()
-            .context("could not start the threads")?;
-    }
+    // 0: as many as there are cores.
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(cli.threads.unwrap_or(0))
+        .build_global()
+        .context("could not start the threads")?;
     match &cli.command {
         Command::Map(args) => map::run(args, cli.verbose),
         Command::Info(args) => info::run(args),

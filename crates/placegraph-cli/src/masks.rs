@@ -7,6 +7,8 @@ use placegraph::export::{Keepout, Rotated, SpeedLimit, ValueOf, ZonePer};
 use placegraph::labels::{LabelSet, Role};
 use serde::Deserialize;
 
+use crate::read;
+
 /// A mask file as written; every part may be left out.
 ///
 /// ```toml
@@ -37,8 +39,7 @@ impl Masks {
     /// The file at `path`, or what holds without one.
     pub(crate) fn load(path: Option<&Path>) -> Result<Self> {
         let Some(path) = path else { return Ok(Self::default()) };
-        let text = std::fs::read_to_string(path)
-            .with_context(|| format!("could not read the mask file {}", path.display()))?;
+        let text = read::text(path, "mask file")?;
         toml::from_str(&text).with_context(|| format!("expected a mask file in {}", path.display()))
     }
 

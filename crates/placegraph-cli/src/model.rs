@@ -4,7 +4,8 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use placegraph::export::ModelInfo;
-use placegraph::model::Model;
+use placegraph::import;
+use placegraph::model::{MAX_BYTES, Model};
 
 use crate::args::MethodArg;
 
@@ -26,8 +27,8 @@ impl NamedModel {
             let model = Model::from_json(EMBEDDED).context("the model inside the program")?;
             return Ok(Self { model, name: "default".to_owned() });
         };
-        let bytes =
-            std::fs::read(path).with_context(|| format!("could not read the model {}", path.display()))?;
+        let bytes = import::read(path, MAX_BYTES as u64)
+            .with_context(|| format!("could not read the model {}", path.display()))?;
         let model = Model::from_json(&bytes).with_context(|| format!("in {}", path.display()))?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         Ok(Self { model, name })

@@ -1,16 +1,23 @@
 //! Writes a set of files as one: all of them, or none.
 
 use std::fs::{self, File};
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, ensure};
 
+/// What unfinished sets are called in the folder that they will go to.
+const STAGING: &str = ".placegraph-";
+
 /// Files to be written into one folder together.
 ///
-/// [`OutputSet::commit`] writes them all into a temporary folder inside the target, syncs them to the disk,
-/// and only then renames them into place; other files in the target stay. If anything fails before the first
-/// rename, the target is as it was. A rename within one folder fails only if the folder changes meanwhile.
+/// [`OutputSet::commit`] writes them all into a hidden folder inside the target, syncs them to the disk, and only then
+/// renames them into place; other files in the target stay. The file that was added last vouches for the set: an
+/// earlier one of its name is removed before the first rename, and the new one is put in place after all others. So
+/// whenever the program ends, killed or not, every file is whole, and where the last one stands the set is
+/// complete. If anything fails before the first rename, the target is as it was.
+///
+/// Runs that write into one folder wait for each other. What a killed run left there is removed by the next one.
 #[derive(Debug, Default)]
 pub(crate) struct OutputSet {
     files: Vec<(String, Vec<u8>)>,
@@ -26,12 +33,13 @@ impl OutputSet {
     /// which they were added.
     pub(crate) fn commit(self, folder: &Path) -> Result<Vec<PathBuf>> {
         self.check_names(folder)?;
-        let is_new = !folder.exists();
-        fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        let made = make_folder(folder)?;
         let written = self.write(folder);
-        if written.is_err() && is_new {
-            // It is empty: nothing was renamed into it. If not, it is better left.
-            let _ = fs::remove_dir(folder);
+        if written.is_err() {
+            // What was made is empty: nothing was renamed into it. If not, it is better left.
+            for folder in made.iter().rev() {
+                let _ = fs::remove_dir(folder);
+            }
         }
         written
     }
@@ -54,9 +62,10 @@ impl OutputSet {
 
     fn write(self, folder: &Path) -> Result<Vec<PathBuf>> {
         let cannot_write = || format!("cannot write into {}", folder.display());
+        let _lock = lock_and_clean(folder);
         // Inside the target: renames then stay on one file system.
         let staging =
-            tempfile::Builder::new().prefix(".placegraph-").tempdir_in(folder).with_context(cannot_write)?;
+            tempfile::Builder::new().prefix(STAGING).tempdir_in(folder).with_context(cannot_write)?;
         for (name, bytes) in &self.files {
             let path = staging.path().join(name);
             let write = || -> std::io::Result<()> {
@@ -65,6 +74,15 @@ impl OutputSet {
                 file.sync_all()
             };
             write().with_context(|| format!("cannot write {name} into {}", folder.display()))?;
+        }
+        if let [_, .., (last, _)] = self.files.as_slice() {
+            let path = folder.join(last);
+            match fs::remove_file(&path) {
+                Err(error) if error.kind() != ErrorKind::NotFound => {
+                    return Err(error).with_context(|| format!("cannot replace {}", path.display()));
+                }
+                _ => {}
+            }
         }
         let mut paths = Vec::with_capacity(self.files.len());
         for (name, _) in &self.files {
@@ -75,6 +93,38 @@ impl OutputSet {
         }
         Ok(paths)
     }
+}
+
+/// Makes `folder` and those above it that are missing; returns what was made, uppermost first.
+fn make_folder(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut missing: Vec<PathBuf> = folder
+        .ancestors()
+        .take_while(|above| !above.as_os_str().is_empty() && !above.exists())
+        .map(Path::to_owned)
+        .collect();
+    missing.reverse();
+    let made = fs::create_dir_all(folder);
+    if made.is_err() {
+        for folder in missing.iter().rev() {
+            let _ = fs::remove_dir(folder);
+        }
+    }
+    made.with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    Ok(missing)
+}
+
+/// Waits until no other run writes into `folder`, for as long as the lock is kept, and removes what killed ones left.
+/// Where folders cannot be locked, all is left as it is.
+fn lock_and_clean(folder: &Path) -> Option<File> {
+    let lock = File::open(folder).ok()?;
+    lock.lock().ok()?;
+    for entry in fs::read_dir(folder).ok()?.flatten() {
+        let is_left = entry.file_name().to_string_lossy().starts_with(STAGING);
+        if is_left && entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
+    Some(lock)
 }
 
 /// Writes one file completely or not at all.
@@ -159,6 +209,55 @@ mod tests {
         let new = folder.path().join("new");
         assert!(set(&[("a", "1"), (&too_long, "2")]).commit(&new).is_err());
         assert!(!new.exists());
+    }
+
+    #[test]
+    fn folders_that_were_made_for_nothing_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let too_long = "x".repeat(300);
+        assert!(set(&[(&too_long, "")]).commit(&folder.path().join("a/b/c")).is_err());
+        assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn what_a_killed_run_left_is_removed_and_other_hidden_files_are_not() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir(folder.path().join(".placegraph-killed")).unwrap();
+        fs::write(folder.path().join(".placegraph-killed/labels.png"), "half").unwrap();
+        fs::write(folder.path().join(".placegraph-note"), "mine").unwrap();
+        fs::create_dir(folder.path().join(".git")).unwrap();
+        set(&[("a", "1")]).commit(folder.path()).unwrap();
+        assert_eq!(names(folder.path()), [".git", ".placegraph-note", "a"]);
+    }
+
+    #[test]
+    fn the_last_file_is_there_only_with_all_others() {
+        let folder = tempfile::tempdir().unwrap();
+        set(&[("a", "1"), ("b", "1"), ("last", "1")]).commit(folder.path()).unwrap();
+        // A folder in the way of the second file, found only at its rename.
+        let blocked = set(&[("a", "2"), ("b", "2"), ("last", "2")]);
+        fs::remove_file(folder.path().join("b")).unwrap();
+        fs::create_dir(folder.path().join("b")).unwrap();
+        fs::write(folder.path().join("b/in"), "").unwrap();
+        assert!(blocked.write(folder.path()).is_err());
+        assert_eq!(names(folder.path()), ["a", "b"]);
+    }
+
+    #[test]
+    fn sets_of_many_threads_are_never_mixed() {
+        let folder = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for writer in 0..8 {
+                let path = folder.path();
+                scope.spawn(move || {
+                    let text = writer.to_string();
+                    set(&[("a", &text), ("b", &text), ("c", &text)]).commit(path).unwrap();
+                });
+            }
+        });
+        let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+        assert_eq!(names(folder.path()), ["a", "b", "c"]);
+        assert!(read("a") == read("b") && read("b") == read("c"));
     }
 
     #[test]

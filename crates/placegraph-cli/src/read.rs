@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use anyhow::Result;
-use placegraph::import::{self, Gray205, ImageFolder, LoadedMap, ReadOptions, ros::Rules};
+use anyhow::{Context, Result};
+use placegraph::import::{self, Gray205, LoadedMap, NamedFiles, ReadOptions, ros::Rules};
 
 use crate::args::{ReadArgs, RulesArg};
 
@@ -16,7 +16,7 @@ pub(crate) fn options(args: &ReadArgs) -> ReadOptions {
             RulesArg::Ros1 => Rules::Ros1,
         },
         gray_205: if args.trust_thresholds { Gray205::AsFile } else { Gray205::Unknown },
-        image_folder: if args.allow_outside { ImageFolder::Anywhere } else { ImageFolder::Inside },
+        named_files: if args.allow_outside { NamedFiles::Anywhere } else { NamedFiles::Inside },
         max_cells: args.max_cells,
         ..ReadOptions::default()
     }
@@ -25,4 +25,16 @@ pub(crate) fn options(args: &ReadArgs) -> ReadOptions {
 /// Reads the map at `path`.
 pub(crate) fn map(path: &Path, args: &ReadArgs) -> Result<LoadedMap> {
     Ok(import::load_map(path, &options(args))?)
+}
+
+/// Reads a TOML file, called a `what` where it cannot be read.
+pub(crate) fn text(path: &Path, what: &str) -> Result<String> {
+    let could_not = || format!("could not read the {what} {}", path.display());
+    let bytes = import::read(path, import::MAX_TEXT_BYTES).with_context(could_not)?;
+    String::from_utf8(bytes).with_context(could_not)
+}
+
+/// Reads an image of labels, rooms or regions with at most `max_cells` pixels.
+pub(crate) fn image(path: &Path, max_cells: u64) -> Result<Vec<u8>> {
+    import::read_cells(path, max_cells).with_context(|| format!("could not read {}", path.display()))
 }

@@ -172,3 +172,42 @@ fn thousands_of_maps_may_be_named() {
     assert_eq!(rows.len(), 3001);
     assert_eq!(rows.values().filter(|row| row[1] == "failed").count(), 3000);
 }
+
+/// Every file of a folder and of those in it.
+fn all_files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut files = BTreeMap::new();
+    for name in names(folder) {
+        let path = folder.join(&name);
+        if path.is_dir() {
+            files.extend(
+                all_files(&path).into_iter().map(|(below, bytes)| (Path::new(&name).join(below), bytes)),
+            );
+        } else if name != "summary.csv" {
+            files.insert(name.into(), fs::read(&path).unwrap());
+        }
+    }
+    files
+}
+
+#[test]
+fn with_a_fixed_time_neither_order_nor_threads_nor_company_change_a_byte() {
+    let folder = TempDir::new().unwrap();
+    let mut maps: Vec<PathBuf> = ["a", "b", "c"]
+        .into_iter()
+        .zip([20, 30, 40])
+        .map(|(name, n)| write_map(folder.path(), name, n))
+        .collect();
+    let run = |maps: &[PathBuf], threads: &str| {
+        let out = TempDir::new().unwrap();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
+        command.env("SOURCE_DATE_EPOCH", "1000000000").args(["map", "--export", "tmap2,report,nav2-zones"]);
+        command.args(["--probabilities", "--threads", threads, "--out"]).arg(out.path()).args(maps);
+        assert!(command.stderr(Stdio::null()).status().unwrap().success());
+        all_files(out.path())
+    };
+    let expected = run(&maps, "1");
+    assert_eq!(expected.len(), 3 * 12, "{:?}", expected.keys());
+    maps.reverse();
+    assert!(run(&maps, "4") == expected);
+    assert!(run(&maps[..2], "2").iter().all(|(name, bytes)| expected[name] == *bytes));
+}

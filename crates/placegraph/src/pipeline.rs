@@ -71,6 +71,12 @@ pub struct Analysis {
     pub changes: Vec<Change>,
 }
 
+/// Memory that [`analyze`] and the files of its result take at most, in bytes, beside 64 MB: a multiple of the map's
+/// cells, of which `n_free` are free (`docs/reliability.md`).
+pub fn memory_bytes(n_cells: u64, n_free: u64, n_labels: usize) -> u64 {
+    n_cells * 96 + n_free * (96 + 32 * n_labels as u64)
+}
+
 /// Labels `map` with `model` and builds its topological map.
 ///
 /// Same map and model, same bits, on any number of threads. Cost: linear in the free cells.

@@ -54,6 +54,36 @@ fn a_gzip_bomb_is_refused_by_its_header() {
     assert!(matches!(carmen::parse(&comment, 1_000_000), Err(MapError::CarmenTag { .. })));
 }
 
+/// A chunk of another type with `size` bytes of data.
+fn places(size: u32) -> Vec<u8> {
+    [&b"\x04"[..], &(size + 10).to_le_bytes(), b"PLACES    ", &vec![0; size as usize]].concat()
+}
+
+#[test]
+fn a_gzip_bomb_of_other_chunks_is_refused() {
+    let (tag, grid) = (b"CARMENMAPFILEv020".to_vec(), file(3, 2)[17..].to_vec());
+    let small = gzipped(&[tag.clone(), places(100), places(1 << 20), grid.clone()].concat());
+    assert!(carmen::parse(&small, 6).is_ok());
+    let bomb = gzipped(&[tag, places(1 << 25), places(1 << 25), grid].concat());
+    assert!(bomb.len() < 100_000);
+    assert!(matches!(carmen::parse(&bomb, 6), Err(MapError::CarmenSize { .. })));
+}
+
+#[test]
+fn numbers_that_are_none_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.map");
+    let at_resolution = file(3, 2).len() - 4 * 7;
+    for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e30, -0.5] {
+        for at in (0..7).map(|number| at_resolution + 4 * number) {
+            let mut bytes = file(3, 2);
+            bytes[at..at + 4].copy_from_slice(&bad.to_le_bytes());
+            fs::write(&path, &bytes).unwrap();
+            assert!(load_map(&path, &ReadOptions::default()).is_err(), "{bad} at byte {at}");
+        }
+    }
+}
+
 #[test]
 fn a_damaged_gzip_stream_is_an_error() {
     let whole = gzipped(&file(30, 20));

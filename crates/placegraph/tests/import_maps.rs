@@ -95,9 +95,7 @@ fn maps_as_their_authors_published_them() {
     }
     let absolute = data.join("rose/giraff/movecare_map.yaml");
     let error = load_map(&absolute, &ReadOptions::default()).unwrap_err();
-    assert!(
-        matches!(&error, MapError::InFile { error, .. } if matches!(**error, MapError::ImageOutside { .. }))
-    );
+    assert!(matches!(&error, MapError::InFile { error, .. } if matches!(**error, MapError::Outside { .. })));
 }
 
 #[test]

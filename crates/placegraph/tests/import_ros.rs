@@ -9,7 +9,7 @@ use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, Occupancy};
 use placegraph::import::image::{Channels, Raster, Samples};
 use placegraph::import::ros::{self, Interpretation, Mode, Rules};
-use placegraph::import::{Format, Gray205, ImageFolder, MapError, ReadOptions, load_map, read_image};
+use placegraph::import::{Format, Gray205, MapError, NamedFiles, ReadOptions, load_map, read_image};
 
 const YAML: &str = "image: map.pgm\nresolution: 0.05\norigin: [1, 2, 0.5]\nnegate: 0\n\
                     occupied_thresh: 0.65\nfree_thresh: 0.196\n";
@@ -244,9 +244,9 @@ fn images_outside_the_folder_need_permission() {
     let elsewhere = image.path().join("map.pgm");
     for path in [elsewhere.to_str().unwrap(), "../map.pgm", "deeper/../../map.pgm"] {
         let error = cause(load_yaml(&YAML.replace("map.pgm", path), b"P2 1 1 255 0").unwrap_err());
-        assert!(matches!(error, MapError::ImageOutside { .. }), "{path}");
+        assert!(matches!(error, MapError::Outside { .. }), "{path}");
     }
     let yaml = folder(&YAML.replace("map.pgm", elsewhere.to_str().unwrap()), b"");
-    let options = ReadOptions { image_folder: ImageFolder::Anywhere, ..Default::default() };
+    let options = ReadOptions { named_files: NamedFiles::Anywhere, ..Default::default() };
     assert_eq!(load_map(&yaml.path().join("map.yaml"), &options).unwrap().grid.cells.width(), 1);
 }

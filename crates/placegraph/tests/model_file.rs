@@ -193,16 +193,17 @@ fn what_is_not_exactly_a_network_is_refused() {
     refused("n_neighbors", json!(0), "1 to 1000");
     refused("n_neighbors", json!(2), "values in weights.node");
     refused("n_adjacent", json!(6), "4 or 8");
-    refused("temperature", json!(0.0), "above 0 in temperature");
+    refused("temperature", json!(0.0), "from 1e-12 to 1e12 in temperature");
     refused("mean", json!([0.0]), "expected 2 values in mean, found 1");
-    refused("deviation/0", json!(0.0), "above 0 in deviation");
-    refused("weights/edge/0", json!(-0.1), "from 0 in weights.edge");
+    refused("deviation/0", json!(0.0), "from 1e-8 to 1e8 in deviation");
+    refused("weights/edge/0", json!(-0.1), "from 0 to 1e12 in weights.edge");
+    refused("weights/node/0", json!(1e300), "up to 1e12 in weights.node");
     refused("weights/edge", json!([0.1]), "expected 3 values in weights.edge, found 1");
     refused("weights/node", json!([0.1]), "expected 12 values in weights.node, found 1");
-    refused("exemplars/0", json!("*"), "base64 of finite");
-    refused("exemplars/0", json!("AAAA"), "base64 of finite");
+    refused("exemplars/0", json!("*"), "base64 of 32-bit numbers");
+    refused("exemplars/0", json!("AAAA"), "base64 of 32-bit numbers");
     // Two infinite numbers; then one number where rows have two.
-    refused("exemplars/0", json!("AACAfwAAgH8="), "base64 of finite");
+    refused("exemplars/0", json!("AACAfwAAgH8="), "base64 of 32-bit numbers");
     refused("exemplars/0", json!("AACAPw=="), "expected 2 values in exemplars, found 1");
     refused("exemplars", json!([""]), "2 to 8 classes");
 

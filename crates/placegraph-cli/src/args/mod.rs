@@ -66,7 +66,7 @@ pub(crate) struct ReadArgs {
     /// Read gray 205 as the file's thresholds say, even where they turn unexplored space free
     #[arg(long)]
     pub(crate) trust_thresholds: bool,
-    /// Read an image that lies outside of the YAML file's folder
+    /// Read a file that a map or training file names outside of its own folder
     #[arg(long)]
     pub(crate) allow_outside: bool,
     /// Refuse maps with more cells than this
@@ -242,7 +242,7 @@ pub(crate) struct EvaluateArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) model: Option<PathBuf>,
     /// Exit with status 1 where the cell accuracy is below this share
-    #[arg(long, value_name = "SHARE")]
+    #[arg(long, value_name = "SHARE", value_parser = values::share)]
     pub(crate) min_accuracy: Option<f64>,
     /// Print JSON
     #[arg(long)]

@@ -8,6 +8,7 @@ use placegraph::export::TopologyDocument;
 
 use super::Outcome;
 use crate::args::MapArgs;
+use crate::guard::guarded;
 use crate::labeling::{Setup, summary};
 use crate::output::write_file;
 use crate::progress::{MapCounter, Watch};
@@ -22,7 +23,7 @@ pub(crate) fn run(folders: &[PathBuf], setup: &Setup<'_>, args: &MapArgs) -> Res
     for (path, folder) in args.maps.iter().zip(folders) {
         let name = path.display().to_string();
         counter.begin(&name);
-        let result = label(path, folder, setup, args);
+        let result = guarded(|| label(path, folder, setup, args));
         counter.end(&match &result {
             Ok((Status::Labeled(_), document)) => format!("{name}: {}", summary(document)),
             Ok((Status::Kept, document)) => format!("{name}: kept, {}", summary(document)),

@@ -1,6 +1,5 @@
 //! `placegraph evaluate`: a label image against the truth.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
@@ -15,6 +14,10 @@ use super::Outcome;
 use crate::args::{CropArg, EvaluateArgs};
 use crate::model::NamedModel;
 use crate::output::{print, print_json};
+use crate::read;
+
+/// Largest image that is judged.
+const MAX_PIXELS: u64 = 400_000_000;
 
 #[derive(Serialize)]
 struct Report {
@@ -63,9 +66,9 @@ pub(crate) fn run(args: &EvaluateArgs) -> Result<Outcome> {
 
 /// The labels in the image at `path`; `size` of the map if it is known.
 fn labels(path: &Path, size: Option<(u32, u32)>, label_set: &LabelSet) -> Result<Grid<Option<Label>>> {
-    let bytes = fs::read(path).with_context(|| format!("could not read {}", path.display()))?;
+    let bytes = read::image(path, MAX_PIXELS)?;
     let in_file = || format!("in {}", path.display());
-    let size = size.map_or_else(|| import::image_size(&bytes), Ok).with_context(in_file)?;
+    let size = size.map_or_else(|| import::image_size(&bytes, MAX_PIXELS), Ok).with_context(in_file)?;
     let cells = import::read_labels(&bytes, size, &LabelCoding::of(label_set)).with_context(in_file)?;
     Ok(cells.map(|cell| match cell {
         LabelCell::Class(label) => Some(*label),
@@ -74,7 +77,7 @@ fn labels(path: &Path, size: Option<(u32, u32)>, label_set: &LabelSet) -> Result
 }
 
 fn ids(path: &Path, size: (u32, u32)) -> Result<Grid<u32>> {
-    let bytes = fs::read(path).with_context(|| format!("could not read {}", path.display()))?;
+    let bytes = read::image(path, MAX_PIXELS)?;
     let ids = import::read_rooms(&bytes, size).with_context(|| format!("in {}", path.display()))?;
     Ok(ids.map(|&id| id.into()))
 }

@@ -1,11 +1,11 @@
 //! `placegraph train`: labeled maps to a model file.
 
 use std::fmt::Write;
-use std::fs;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use placegraph::grid::{Cell, OccupancyGrid};
-use placegraph::import::{self, LabelCell, LabelCoding, ReadOptions};
+use placegraph::import::{self, LabelCell, LabelCoding, NamedFiles, ReadOptions, TrainingFile};
 use placegraph::labels::LabelSet;
 use placegraph::training::{
     Choice, LabeledMap, ListReport, NetworkConfig, NetworkReport, TrainConfig, Trained, TrainedNetwork,
@@ -14,7 +14,6 @@ use placegraph::training::{
 
 use super::Outcome;
 use crate::args::{CropArg, MethodArg, TrainArgs};
-use crate::manifest::{Manifest, MapEntry, Paint};
 use crate::output::{complain, print, print_json, write_file};
 use crate::progress::Watch;
 use crate::read;
@@ -56,46 +55,50 @@ pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn what_to_train_on(args: &TrainArgs) -> Result<(Vec<MapEntry>, LabelSet, LabelCoding)> {
+fn what_to_train_on(args: &TrainArgs) -> Result<(Vec<Entry>, LabelSet, LabelCoding)> {
     if let Some(path) = &args.manifest {
-        let manifest = Manifest::read(path)?;
-        let (label_set, paints) = manifest.classes()?;
-        let coding = coding(&label_set, &paints);
-        return Ok((manifest.map, label_set, coding));
+        return manifest(path, read::options(&args.read).named_files);
     }
     let (Some(map), Some(labels)) = (&args.map, &args.labels) else {
         bail!("expected a training file, or --map with --labels");
     };
     let crop = args.crop.map(|CropArg { x0, y0, x1, y1 }| [x0, y0, x1, y1]);
-    let entry = MapEntry { map: map.clone(), labels: labels.clone(), crop };
+    let entry = Entry { map: map.clone(), labels: labels.clone(), crop };
     let label_set = LabelSet::default();
     let coding = LabelCoding::of(&label_set);
     Ok((vec![entry], label_set, coding))
 }
 
-/// What the pixels of label images mean.
-fn coding(label_set: &LabelSet, paints: &[Paint]) -> LabelCoding {
-    let mut entries = vec![([0; 3], LabelCell::None), ([255; 3], LabelCell::Ignore)];
-    for (label, paint) in label_set.labels().zip(paints) {
-        let pixel = match *paint {
-            Paint::Gray(value) => [value; 3],
-            Paint::Color(color) => color,
+/// Reads a training file; the paths it names are relative to where it lies.
+fn manifest(path: &Path, allowed: NamedFiles) -> Result<(Vec<Entry>, LabelSet, LabelCoding)> {
+    let in_file = || format!("in {}", path.display());
+    let file = TrainingFile::from_toml(&read::text(path, "training file")?).with_context(in_file)?;
+    let entries = file.maps.iter().map(|entry| -> Result<Entry> {
+        let named = |name| {
+            import::named_file(path, name, allowed).with_context(in_file).with_context(|| name.to_owned())
         };
-        entries.push((pixel, LabelCell::Class(label)));
-    }
-    LabelCoding::new(entries)
+        Ok(Entry { map: named(&entry.map)?, labels: named(&entry.labels)?, crop: entry.crop })
+    });
+    Ok((entries.collect::<Result<_>>()?, file.classes, file.coding))
+}
+
+/// A map to train on.
+#[derive(Debug)]
+pub(super) struct Entry {
+    /// The map.
+    pub(super) map: PathBuf,
+    /// Its labels.
+    pub(super) labels: PathBuf,
+    /// The pixels to train on: x0, y0, x1, y1.
+    pub(super) crop: Option<[u32; 4]>,
 }
 
 /// Reads a map and its labels.
-pub(super) fn labeled_map(
-    entry: &MapEntry,
-    coding: &LabelCoding,
-    options: &ReadOptions,
-) -> Result<LabeledMap> {
+pub(super) fn labeled_map(entry: &Entry, coding: &LabelCoding, options: &ReadOptions) -> Result<LabeledMap> {
     let map = import::load_map(&entry.map, options)?;
     let size = (map.grid.cells.width(), map.grid.cells.height());
     let in_labels = || format!("in the labels {}", entry.labels.display());
-    let bytes = fs::read(&entry.labels).with_context(in_labels)?;
+    let bytes = read::image(&entry.labels, options.max_cells)?;
     let labels = import::read_labels(&bytes, size, coding).with_context(in_labels)?;
     let window =
         entry.crop.map(|crop| window(crop, &map.grid)).transpose().with_context(|| map.name.clone())?;

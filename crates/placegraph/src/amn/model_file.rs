@@ -109,6 +109,11 @@ impl TryFrom<IamnFile> for IamnModel {
 
 /// Neighbors per class that a file may ask for.
 const MAX_NEIGHBORS: usize = 1000;
+/// Largest feature value; with the least deviation, squared distances over all features stay finite in 32 bits.
+const MAX_VALUE: f32 = 1e8;
+const LEAST_DEVIATION: f32 = 1e-8;
+/// Largest weight: sums of weighted distances stay finite.
+const MAX_WEIGHT: f64 = 1e12;
 
 impl IamnFile {
     fn check(&self) -> Result<(), IamnFileError> {
@@ -132,22 +137,29 @@ impl IamnFile {
         if self.weights.node.len() < at_least || !self.weights.node.len().is_multiple_of(n_labels) {
             length("weights.node", self.weights.node.len(), at_least)?;
         }
-        value(self.mean.iter().all(|v| v.is_finite()), "mean", "finite numbers")?;
-        value(self.deviation.iter().all(|&v| v.is_finite() && v > 0.0), "deviation", "numbers above 0")?;
-        value(self.weights.node.iter().all(|v| v.is_finite()), "weights.node", "finite numbers")?;
+        value(self.mean.iter().all(|v| v.abs() <= MAX_VALUE), "mean", "numbers up to 1e8")?;
+        let deviations = LEAST_DEVIATION..=MAX_VALUE;
         value(
-            self.weights.edge.iter().all(|&v| v.is_finite() && v >= 0.0),
-            "weights.edge",
-            "numbers from 0",
+            self.deviation.iter().all(|v| deviations.contains(v)),
+            "deviation",
+            "numbers from 1e-8 to 1e8",
         )?;
-        value(self.temperature.is_finite() && self.temperature > 0.0, "temperature", "a number above 0")
+        value(self.weights.node.iter().all(|v| v.abs() <= MAX_WEIGHT), "weights.node", "numbers up to 1e12")?;
+        let rewards = 0.0..=MAX_WEIGHT;
+        value(
+            self.weights.edge.iter().all(|v| rewards.contains(v)),
+            "weights.edge",
+            "numbers from 0 to 1e12",
+        )?;
+        value((1e-12..=1e12).contains(&self.temperature), "temperature", "a number from 1e-12 to 1e12")
     }
 }
 
 fn decode(text: &str) -> Result<Vec<f32>, IamnFileError> {
-    let refused = || IamnFileError::Value { field: "exemplars", expected: "base64 of finite 32-bit numbers" };
+    let refused =
+        || IamnFileError::Value { field: "exemplars", expected: "base64 of 32-bit numbers up to 1e8" };
     let bytes = STANDARD.decode(text).map_err(|_| refused())?;
     let (words, rest) = bytes.as_chunks::<4>();
     let values: Vec<f32> = words.iter().map(|&word| f32::from_le_bytes(word)).collect();
-    if rest.is_empty() && values.iter().all(|v| v.is_finite()) { Ok(values) } else { Err(refused()) }
+    if rest.is_empty() && values.iter().all(|v| v.abs() <= MAX_VALUE) { Ok(values) } else { Err(refused()) }
 }

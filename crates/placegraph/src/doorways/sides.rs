@@ -44,7 +44,7 @@ pub(super) struct Surroundings {
 /// Floods both sides of `gate`. Cost: linear in the cells within reach.
 pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, walks: &Walks) -> Surroundings {
     let reach = walks.far.max(walks.labels.1).max(walks.bypass / 2.0).ceil() as u32;
-    let window = Window::around(gate, reach);
+    let window = Window::around(graph, gate, reach);
     let mut sides = [Side::default(), Side::default()];
     let mut bypass = walks.bypass;
     // Steps to the first side, to tell where the two meet.
@@ -105,25 +105,28 @@ impl Side {
     }
 }
 
-/// The square of cells that a flood can reach.
+/// The cells of the map that a flood can reach: a square, cut off where the map ends.
 struct Window {
     low: Cell,
-    side: usize,
+    width: usize,
+    height: usize,
 }
 
 impl Window {
-    fn around(gate: &Gate, reach: u32) -> Self {
+    fn around(graph: &CellGraph, gate: &Gate, reach: u32) -> Self {
         let radius = reach as f64 + gate.width / 2.0 + 3.0;
         let low = |middle: f64| (middle - radius).max(0.0) as u32;
-        Self { low: Cell::new(low(gate.center.x), low(gate.center.y)), side: 2 * radius as usize + 3 }
+        let side = |low: u32, side: u32| (2 * radius as usize + 3).min((side - low.min(side)) as usize);
+        let (x, y) = (low(gate.center.x), low(gate.center.y));
+        Self { low: Cell::new(x, y), width: side(x, graph.width()), height: side(y, graph.height()) }
     }
 
     fn n_cells(&self) -> usize {
-        self.side * self.side
+        self.width * self.height
     }
 
     fn index(&self, cell: Cell) -> usize {
-        (cell.y - self.low.y) as usize * self.side + (cell.x - self.low.x) as usize
+        (cell.y - self.low.y) as usize * self.width + (cell.x - self.low.x) as usize
     }
 }
 

@@ -33,6 +33,16 @@ pub enum ExportError {
         /// How many there are.
         found: usize,
     },
+    /// The upright grid of a rotated map is too large.
+    #[error("expected a mask of at most {max_cells} cells, found {width} x {height}: the map is rotated")]
+    TooManyCells {
+        /// Columns of the mask.
+        width: u32,
+        /// Rows of the mask.
+        height: u32,
+        /// The limit.
+        max_cells: u64,
+    },
     /// The writer of the format refused; cannot happen for maps that this library built.
     #[error("cannot write {format}: {message}")]
     Writer {

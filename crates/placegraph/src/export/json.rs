@@ -4,17 +4,20 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::json_layout;
+use super::{json_check, json_layout};
 use crate::geom::{EllipseAxes, Point2, Pose2};
 use crate::grid::{FrameError, GridShape, MapFrame, OccupancyGrid};
-use crate::labels::{Class, LabelSet};
-use crate::topology::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
+use crate::labels::LabelSet;
+use crate::topology::{Connection, Doorway, Place, PolygonWithHoles, Route, TopologicalMap};
 
 /// What the member `format` of every document says.
 pub const FORMAT: &str = "placegraph-topology";
 
 /// The version of the format that this program writes and reads.
 pub const VERSION: u32 = 1;
+
+/// Largest document that is read, in bytes.
+pub const MAX_DOCUMENT_BYTES: u64 = 1 << 30;
 
 /// The content of a `topology.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,6 +95,12 @@ pub struct ModelInfo {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TopologyError {
+    /// More bytes than any document has.
+    #[error("expected a document of at most {MAX_DOCUMENT_BYTES} bytes, found {found}")]
+    TooLarge {
+        /// Number of bytes.
+        found: usize,
+    },
     /// Not the JSON of a document.
     #[error("expected the JSON of a {FORMAT} document")]
     Json {
@@ -122,6 +131,30 @@ pub enum TopologyError {
         height: u32,
         /// Resolution found.
         resolution_m: f64,
+    },
+    /// A measure is below 0 or no number.
+    #[error("expected a number from 0 as {of}, found {found}")]
+    Measure {
+        /// What is measured.
+        of: String,
+        /// The number found.
+        found: f64,
+    },
+    /// A point lies outside of the map.
+    #[error("expected a point of the map as {of}, found ({x}, {y})")]
+    Point {
+        /// What the point is.
+        of: String,
+        /// First coordinate found.
+        x: f64,
+        /// Second coordinate found.
+        y: f64,
+    },
+    /// Outlines cannot follow the sides of the map's cells.
+    #[error("expected outlines along the sides of {n_cells} cells, found longer ones")]
+    Outlines {
+        /// Cells of the map.
+        n_cells: u64,
     },
     /// Places are not numbered upwards from 1 or more.
     #[error("expected place ids above {previous}, found {found}")]
@@ -232,12 +265,16 @@ impl TopologyDocument {
         Ok(json_layout::to_json(self)?)
     }
 
-    /// Reads a document and checks what other code relies on: ids, order, classes, sizes.
+    /// Reads a document and checks what other code relies on: ids, order, classes, sizes, and that all points lie in
+    /// the map.
     ///
     /// # Errors
     /// If the bytes are not JSON of this format and version, have unknown or missing members, or contradict
     /// themselves.
     pub fn from_json(bytes: &[u8]) -> Result<Self, TopologyError> {
+        if bytes.len() as u64 > MAX_DOCUMENT_BYTES {
+            return Err(TopologyError::TooLarge { found: bytes.len() });
+        }
         let header: Header = serde_json::from_slice(bytes)?;
         if header.format != FORMAT {
             return Err(TopologyError::Format { found: header.format });
@@ -246,60 +283,8 @@ impl TopologyDocument {
             return Err(TopologyError::Version { found: header.version });
         }
         let document: Self = serde_json::from_slice(bytes)?;
-        document.check_map()?;
-        document.check_places()?;
-        document.check_connections()?;
+        json_check::check(&document)?;
         Ok(document)
-    }
-
-    fn check_map(&self) -> Result<(), TopologyError> {
-        let MapInfo { width, height, resolution_m, origin, .. } = self.map;
-        if width == 0 || height == 0 || MapFrame::new(resolution_m, origin).is_err() {
-            return Err(TopologyError::Map { width, height, resolution_m });
-        }
-        Ok(())
-    }
-
-    fn check_places(&self) -> Result<(), TopologyError> {
-        let mut previous = 0;
-        for place in &self.places {
-            let PlaceId(found) = place.id;
-            if found <= previous {
-                return Err(TopologyError::PlaceOrder { previous, found });
-            }
-            previous = found;
-            let has_class = |class: &Class| class.name == place.class && class.role == place.role;
-            if !self.classes.classes().iter().any(has_class) {
-                let role = format!("{:?}", place.role).to_lowercase();
-                return Err(TopologyError::PlaceClass { place: found, class: place.class.clone(), role });
-            }
-        }
-        for place in &self.places {
-            for &side in place.doorway.iter().flat_map(|doorway| &doorway.sides) {
-                self.check_id(side, || format!("the sides of place {}", place.id.0))?;
-            }
-        }
-        Ok(())
-    }
-
-    fn check_connections(&self) -> Result<(), TopologyError> {
-        let mut previous = (PlaceId(0), PlaceId(0));
-        for &Connection { a, b, .. } in &self.connections {
-            self.check_id(a, || format!("the connection {} to {}", a.0, b.0))?;
-            self.check_id(b, || format!("the connection {} to {}", a.0, b.0))?;
-            if a >= b || (a, b) <= previous {
-                return Err(TopologyError::ConnectionOrder { a: a.0, b: b.0 });
-            }
-            previous = (a, b);
-        }
-        Ok(())
-    }
-
-    fn check_id(&self, id: PlaceId, referrer: impl Fn() -> String) -> Result<(), TopologyError> {
-        match self.places.binary_search_by_key(&id, |place| place.id) {
-            Ok(_) => Ok(()),
-            Err(_) => Err(TopologyError::UnknownPlace { referrer: referrer(), found: id.0 }),
-        }
     }
 }
 

@@ -6,6 +6,7 @@ mod error;
 mod geojson;
 mod graphml;
 mod json;
+mod json_check;
 mod json_layout;
 mod nav2_masks;
 mod nav2_route;
@@ -26,7 +27,9 @@ pub use dot::dot;
 pub use error::ExportError;
 pub use geojson::regions_geojson;
 pub use graphml::graphml;
-pub use json::{FORMAT, MapInfo, ModelInfo, ProgramInfo, TopologyDocument, TopologyError, VERSION};
+pub use json::{
+    FORMAT, MAX_DOCUMENT_BYTES, MapInfo, ModelInfo, ProgramInfo, TopologyDocument, TopologyError, VERSION,
+};
 pub use nav2_masks::{
     Keepout, MaskFiles, MaskSheet, Rotated, SpeedLimit, ValueOf, ZonePer, keepout_mask, speed_mask,
     vector_shapes, zone_mask,

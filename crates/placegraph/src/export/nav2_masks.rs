@@ -104,7 +104,7 @@ pub enum SpeedLimit {
         /// The limits; without an entry there is none.
         limit: ValueOf,
     },
-    /// In meters per second, above 0. A cell holds a hundredth of the largest limit.
+    /// In meters per second, above 0 to 1000. A cell holds a hundredth of the largest limit.
     MetersPerSecond {
         /// The limits; without an entry there is none.
         limit: ValueOf,
@@ -118,6 +118,9 @@ impl Default for SpeedLimit {
         Self::Percent { limit: ValueOf { class, place: BTreeMap::new() } }
     }
 }
+
+/// Faster than any robot.
+const MAX_SPEED_M_PER_S: f64 = 1000.0;
 
 /// What makes a zone of its own in the zone mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -160,7 +163,7 @@ pub fn speed_mask(
             (limit, 2, limit.class.values().chain(limit.place.values()).copied().fold(0.01, f64::max))
         }
     };
-    limit.check(max / 100.0, max)?;
+    limit.check(max / 100.0, max.min(MAX_SPEED_M_PER_S))?;
     // A cell of 0 would be no limit at all.
     let paint =
         |place: &Place| limit.get(place).map_or(0, |value| (100.0 * value / max).round().max(1.0) as u8);
@@ -196,6 +199,9 @@ pub fn zone_mask(map: &TopologicalMap, sheet: &MaskSheet, per: ZonePer) -> Resul
     mask_files(map, sheet, 0, id, &filter)
 }
 
+/// Largest mask of a smaller map.
+const MAX_MASK_CELLS: u64 = 400_000_000;
+
 /// A costmap filter and how it reads its mask.
 struct Filter {
     name: &'static str,
@@ -224,6 +230,12 @@ fn mask_files(
         Rotated::Refuse => return Err(ExportError::Rotated { yaw_rad }),
         Rotated::Resample => sheet.shape.upright(),
     };
+    let n_cells = |shape: &GridShape| u64::from(shape.width) * u64::from(shape.height);
+    // A thin map turned by 45 degrees fills little of its upright grid.
+    let max_cells = n_cells(&sheet.shape).max(MAX_MASK_CELLS);
+    if n_cells(&shape) > max_cells {
+        return Err(ExportError::TooManyCells { width: shape.width, height: shape.height, max_cells });
+    }
     let raster = PlaceRaster::new(map, shape);
     let mut cells = Grid::filled(shape.width, shape.height, elsewhere);
     for y in 0..shape.height {

@@ -14,18 +14,30 @@ pub struct MapFrame {
     map_from_grid: Pose2,
 }
 
+/// Smallest side of a cell, in meters.
+pub const MIN_RESOLUTION_M: f64 = 1e-6;
+/// Largest side of a cell, in meters: what is computed from it stays finite.
+pub const MAX_RESOLUTION_M: f64 = 1e6;
+/// Largest coordinate of an origin, in meters and radians: beyond it there are no tenths of a micrometer.
+pub const MAX_ORIGIN: f64 = 1e9;
+
 /// Why a resolution or an origin cannot georeference a grid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
-    /// The resolution is no positive finite number.
-    #[error("expected a resolution above 0 meters per cell, found {found}")]
+    /// The resolution is no length of a cell.
+    #[error(
+        "expected a resolution above 0 meters per cell, {MIN_RESOLUTION_M} to {MAX_RESOLUTION_M}, found {found}"
+    )]
     Resolution {
         /// The value found.
         found: f64,
     },
-    /// The origin has a coordinate that is not finite.
-    #[error("expected three finite numbers as origin, found [{}, {}, {}]", found.x, found.y, found.yaw_rad)]
+    /// The origin has a coordinate that is not finite, or so large that meters are lost.
+    #[error(
+        "expected three numbers up to {MAX_ORIGIN} as origin, found [{}, {}, {}]",
+        found.x, found.y, found.yaw_rad
+    )]
     Origin {
         /// The value found.
         found: Pose2,
@@ -36,12 +48,14 @@ impl MapFrame {
     /// A frame with cells of `resolution_m` meters whose lower left corner stands at `map_from_grid`.
     ///
     /// # Errors
-    /// If the resolution is not above 0 and finite, or the origin is not finite.
+    /// If the resolution is not in [`MIN_RESOLUTION_M`]..=[`MAX_RESOLUTION_M`], or a coordinate of the origin is above
+    /// [`MAX_ORIGIN`].
     pub fn new(resolution_m: f64, map_from_grid: Pose2) -> Result<Self, FrameError> {
-        if !(resolution_m.is_finite() && resolution_m > 0.0) {
+        if !(MIN_RESOLUTION_M..=MAX_RESOLUTION_M).contains(&resolution_m) {
             return Err(FrameError::Resolution { found: resolution_m });
         }
-        if ![map_from_grid.x, map_from_grid.y, map_from_grid.yaw_rad].iter().all(|v| v.is_finite()) {
+        let Pose2 { x, y, yaw_rad } = map_from_grid;
+        if ![x, y, yaw_rad].iter().all(|v| v.abs() <= MAX_ORIGIN) {
             return Err(FrameError::Origin { found: map_from_grid });
         }
         Ok(Self { resolution_m, map_from_grid })
@@ -107,9 +121,13 @@ mod tests {
 
     #[test]
     fn zero_nan_and_infinite_are_refused() {
-        for bad in [0.0, -0.05, f64::NAN, f64::INFINITY] {
+        for bad in [0.0, -0.05, 1e-300, 1e300, f64::NAN, f64::INFINITY] {
             assert!(MapFrame::new(bad, Pose2::default()).is_err());
         }
-        assert!(MapFrame::new(0.05, Pose2::new(f64::NAN, 0.0, 0.0)).is_err());
+        for bad in [f64::NAN, f64::INFINITY, -1e300] {
+            for pose in [Pose2::new(bad, 0.0, 0.0), Pose2::new(0.0, bad, 0.0), Pose2::new(0.0, 0.0, bad)] {
+                assert!(MapFrame::new(0.05, pose).is_err());
+            }
+        }
     }
 }

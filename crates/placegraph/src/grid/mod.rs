@@ -14,7 +14,7 @@ mod shape;
 
 pub use cell_graph::CellGraph;
 pub(crate) use clearance::squared_clearances;
-pub use frame::{FrameError, MapFrame};
+pub use frame::{FrameError, MAX_ORIGIN, MAX_RESOLUTION_M, MIN_RESOLUTION_M, MapFrame};
 pub use grid::{Cell, Grid};
 pub use neighbors::Connectivity;
 pub use occupancy::{Occupancy, OccupancyGrid};

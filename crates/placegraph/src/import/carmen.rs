@@ -48,7 +48,7 @@ pub fn is_carmen(bytes: &[u8]) -> bool {
 
 /// Reads the first grid of a CARMEN map file.
 ///
-/// Memory grows with the data that is really there, also when it is gzipped. Cost: one pass.
+/// Memory grows with the data that is really there, also when it is gzipped, up to 16 bytes a cell. Cost: one pass.
 ///
 /// # Errors
 /// If the tag or the grid is missing, the file is cut off or its gzip stream damaged, the grid has no cell or
@@ -61,13 +61,22 @@ pub fn parse(bytes: &[u8], max_cells: u64) -> Result<CarmenMap, MapError> {
     }
 }
 
+/// Places, off-limits shapes and the like are small; before the grid there may be no more of them than this.
+const MAX_OTHER_CHUNKS: u32 = 1 << 26;
+
 fn parse_stream(stream: &mut dyn Read, max_cells: u64) -> Result<CarmenMap, MapError> {
     skip_comments_and_tag(stream)?;
     let mut n_chunks = 0;
+    let mut n_skipped = 0u32;
     while let Some((kind, size)) = chunk_header(stream, n_chunks)? {
         if kind & !NAMED == GRIDMAP {
             let name = if kind & NAMED == 0 { 0 } else { skip_name(stream, size)? };
             return grid(stream, size - name, max_cells);
+        }
+        n_skipped = n_skipped.saturating_add(size).saturating_add(DESCRIPTION);
+        if n_skipped > MAX_OTHER_CHUNKS {
+            let expected = "64 MiB of chunks before the grid";
+            return Err(MapError::CarmenSize { expected, found: n_skipped.into() });
         }
         skip(stream, size)?;
         n_chunks += 1;

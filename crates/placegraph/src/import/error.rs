@@ -23,10 +23,10 @@ pub enum MapError {
         /// What the system says.
         error: io::Error,
     },
-    /// A file is larger than any map within the limit on cells.
+    /// A file is larger than its kind can be: a map of its size, a text, a model.
     #[error("expected a file of at most {max_bytes} bytes, found a larger one")]
     FileTooLarge {
-        /// The limit that follows from the limit on cells.
+        /// The limit.
         max_bytes: u64,
     },
     /// The YAML does not parse, lacks a key, or a value has another type.
@@ -71,16 +71,21 @@ pub enum MapError {
     /// Resolution or origin cannot georeference a grid.
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// The YAML names an image outside its own folder.
+    /// A file names another one outside its own folder.
     #[error(
-        "expected an image inside the folder of the YAML file, found {}: correct the path, \
-         or allow images anywhere (--allow-outside)",
-        image.display()
+        "expected a file inside the folder of the one that names it, found {name}: correct the path, \
+         or allow files anywhere (--allow-outside)"
     )]
-    ImageOutside {
-        /// The path in the YAML.
-        image: PathBuf,
+    Outside {
+        /// The path as named.
+        name: String,
     },
+    /// A file names something that is no file: a folder, a pipe, a device.
+    #[error("expected a file, found a folder or a device")]
+    NoFile,
+    /// A file was written to, or cut off, while it was read.
+    #[error("expected a file that stays as it is, found one that changed while it was read: try again")]
+    Changed,
     /// The image that the YAML names cannot be read.
     #[error("cannot read the image {}: {error}", image.display())]
     ImageFile {
@@ -118,6 +123,16 @@ pub enum MapError {
         height: u64,
         /// The limit.
         max_cells: u64,
+    },
+    /// The system does not give the memory that reading a map of this size takes.
+    #[error("expected {n_bytes} bytes of memory for {width} x {height} cells, found less")]
+    Memory {
+        /// Columns.
+        width: u64,
+        /// Rows.
+        height: u64,
+        /// What reading takes at most.
+        n_bytes: u64,
     },
     /// An image without YAML, and no resolution was given.
     #[error("an image alone has no scale: give its meters per pixel (--resolution)")]
@@ -162,6 +177,21 @@ pub enum MapError {
     },
 }
 
+/// Memory that reading takes per cell at most, beside the file itself: samples, gray values, and the map.
+const READ_BYTES_PER_CELL: u64 = 32;
+
+/// Whether the system would give `n_bytes` of memory now.
+///
+/// An allocation that fails ends a program at once, so that nothing can be told; who asks before can tell. Memory that
+/// the system promises and does not have is not noticed.
+pub fn has_memory(n_bytes: u64) -> bool {
+    let mut probe: Vec<u8> = Vec::new();
+    let is_given = usize::try_from(n_bytes).is_ok_and(|n_bytes| probe.try_reserve_exact(n_bytes).is_ok());
+    // What nobody looks at would not be allocated.
+    std::hint::black_box(&probe);
+    is_given
+}
+
 impl MapError {
     /// The same error, with the file it is in.
     pub(super) fn in_file(self, path: &std::path::Path) -> Self {
@@ -178,6 +208,7 @@ impl MapError {
         if width.checked_mul(height).is_none_or(|cells| cells > limit) {
             return Err(Self::TooManyCells { width, height, max_cells: limit });
         }
-        Ok(())
+        let n_bytes = width * height * READ_BYTES_PER_CELL;
+        if has_memory(n_bytes) { Ok(()) } else { Err(Self::Memory { width, height, n_bytes }) }
     }
 }

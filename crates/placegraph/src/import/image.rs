@@ -77,6 +77,20 @@ impl Raster {
     }
 }
 
+/// Width and height that the first bytes of an image declare; `None` where they are no header that is read.
+pub(super) fn declared_size(head: &[u8]) -> Option<(u64, u64)> {
+    let (width, height) = match image::guess_format(head).ok()? {
+        // Signature, length and type of the first chunk, then both sides; other chunks may not fit the head.
+        ImageFormat::Png => {
+            let side = |at: usize| Some(u32::from_be_bytes(*head.get(at..)?.first_chunk::<4>()?));
+            (side(16)?, side(20)?)
+        }
+        ImageFormat::Pnm => PnmDecoder::new(Cursor::new(head)).ok()?.dimensions(),
+        _ => return None,
+    };
+    Some((width.into(), height.into()))
+}
+
 /// Decodes `bytes`, whose first bytes tell PNG from PNM.
 ///
 /// # Errors
@@ -84,11 +98,18 @@ impl Raster {
 /// (found from the header, before memory is taken).
 pub fn decode(bytes: &[u8], max_cells: u64) -> Result<Raster, MapError> {
     let cursor = Cursor::new(bytes);
+    let n_pixels = match declared_size(bytes) {
+        Some((width, height)) => {
+            MapError::check_size(width, height, max_cells)?;
+            width * height
+        }
+        None => 0,
+    };
     match image::guess_format(bytes) {
         Ok(ImageFormat::Png) => {
             let mut limits = Limits::no_limits();
             // The decoder's own buffers: a row or two and the text chunks.
-            limits.max_alloc = Some(max_cells.saturating_mul(8).saturating_add(1 << 20));
+            limits.max_alloc = Some(n_pixels.saturating_mul(8).saturating_add(1 << 20));
             read(PngDecoder::with_limits(cursor, limits), max_cells)
         }
         Ok(ImageFormat::Pnm) => read(PnmDecoder::new(cursor), max_cells),

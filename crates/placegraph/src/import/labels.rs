@@ -136,16 +136,22 @@ pub fn read_labels(
     Ok(flipped(size, &cells))
 }
 
-/// Largest image whose size is asked for.
-const MAX_PIXELS: u64 = 400_000_000;
-
-/// Width and height of an image of at most 400 million pixels.
+/// Width and height of an image of at most `max_pixels` pixels, from its header.
 ///
 /// # Errors
-/// If the bytes are no image of a kind that is read, or it is damaged or larger.
-pub fn image_size(bytes: &[u8]) -> Result<(u32, u32), LabelImageError> {
-    let raster = image::decode(bytes, MAX_PIXELS)?;
-    Ok((raster.width, raster.height))
+/// If the bytes are no image of a kind that is read, it has no pixel, or more of them.
+pub fn image_size(bytes: &[u8], max_pixels: u64) -> Result<(u32, u32), LabelImageError> {
+    match image::declared_size(bytes) {
+        Some((width, height)) => {
+            super::MapError::check_size(width, height, max_pixels)?;
+            // Sides are 32 bit in every header.
+            Ok((width as u32, height as u32))
+        }
+        // The decoder says what is wrong.
+        None => {
+            image::decode(bytes, max_pixels).map(|raster| (raster.width, raster.height)).map_err(Into::into)
+        }
+    }
 }
 
 /// Reads a room image (gray, 8 or 16 bits): an id per cell, 0 in no room; row 0 of the result is the image's

@@ -1,12 +1,11 @@
 //! Opens a map, whatever its format.
 
-use std::fs::File;
-use std::io::Read;
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use super::file::{self, NamedFiles};
 use super::image::Raster;
 use super::ros::{self, Brightness, Interpretation, Mode, Rules};
 use super::{MapError, carmen, image};
@@ -27,16 +26,6 @@ pub enum Gray205 {
     AsFile,
 }
 
-/// Where the image that a YAML names may lie.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ImageFolder {
-    /// In the folder of the YAML file or below it.
-    #[default]
-    Inside,
-    /// Anywhere: a YAML from a stranger then reads any file.
-    Anywhere,
-}
-
 /// How maps are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
@@ -51,7 +40,7 @@ pub struct ReadOptions {
     /// What to do with gray 205 where it would be free.
     pub gray_205: Gray205,
     /// Where the image that a YAML names may lie.
-    pub image_folder: ImageFolder,
+    pub named_files: NamedFiles,
     /// Most cells a map may have. Default 400 million.
     pub max_cells: u64,
 }
@@ -64,7 +53,7 @@ impl Default for ReadOptions {
             free_thresh: None,
             rules: Rules::default(),
             gray_205: Gray205::default(),
-            image_folder: ImageFolder::default(),
+            named_files: NamedFiles::default(),
             max_cells: 400_000_000,
         }
     }
@@ -122,13 +111,18 @@ pub fn load_map(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapErro
 }
 
 fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
-    let bytes = read_bounded(path, options)?;
+    let is_yaml = is_yaml(path);
+    let bytes = if is_yaml {
+        file::read(path, file::MAX_TEXT_BYTES)?
+    } else {
+        file::read_cells(path, options.max_cells)?
+    };
     let mut hash = Sha256::new_with_prefix(&bytes);
-    let (grid, source) = if is_yaml(path) {
+    let (grid, source) = if is_yaml {
         let yaml = ros::parse_yaml(&bytes)?;
-        let image = image_path(path, &yaml.image, options.image_folder)?;
+        let image = file::named_file(path, &yaml.image, options.named_files)?;
         let in_image = |error| MapError::ImageFile { image: image.clone(), error: Box::new(error) };
-        let image_bytes = read_bounded(&image, options).map_err(in_image)?;
+        let image_bytes = file::read_cells(&image, options.max_cells).map_err(in_image)?;
         hash.update(&image_bytes);
         let raster = image::decode(&image_bytes, options.max_cells).map_err(in_image)?;
         let (cells, source) = read_image(raster, Format::MapServer, yaml.interpretation, options);
@@ -227,27 +221,4 @@ fn replace_resolution(frame: MapFrame, options: &ReadOptions) -> Result<MapFrame
 
 fn is_yaml(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yaml") || e.eq_ignore_ascii_case("yml"))
-}
-
-/// Reads a file that may be no larger than the largest map within the limit on cells.
-fn read_bounded(path: &Path, options: &ReadOptions) -> Result<Vec<u8>, MapError> {
-    // Plain PNM spends up to 18 bytes a cell, a CARMEN map in f64 8; the rest is headers.
-    let max_bytes = options.max_cells.saturating_mul(18).saturating_add(1 << 20);
-    let io = |error| MapError::Io { error };
-    let mut bytes = Vec::new();
-    File::open(path).map_err(io)?.take(max_bytes.saturating_add(1)).read_to_end(&mut bytes).map_err(io)?;
-    if bytes.len() as u64 > max_bytes {
-        return Err(MapError::FileTooLarge { max_bytes });
-    }
-    Ok(bytes)
-}
-
-/// The path of the image that the YAML file at `yaml` names as `image`.
-fn image_path(yaml: &Path, image: &str, folder: ImageFolder) -> Result<PathBuf, MapError> {
-    let image = Path::new(image);
-    let inside = image.components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
-    if folder == ImageFolder::Inside && !inside {
-        return Err(MapError::ImageOutside { image: image.to_owned() });
-    }
-    Ok(yaml.parent().unwrap_or(Path::new("")).join(image))
 }

@@ -1,9 +1,10 @@
 //! Files to types: map_server YAML, images, CARMEN maps, label images; and the check of a map that was read.
 //!
 //! The parsers take bytes and give types: [`ros::parse_yaml`], [`image::decode`], [`carmen::parse`],
-//! [`read_labels`], [`read_rooms`]. Only [`load_map`] opens files. All of them are for hostile input: sizes
-//! are checked from the header before memory is taken, numbers are checked to be finite, and whatever is
-//! wrong is a [`MapError`] or a [`LabelImageError`], never a panic.
+//! [`read_labels`], [`read_rooms`], [`TrainingFile::from_toml`]. Only [`load_map`], [`read`] and [`read_cells`] open files. All of
+//! them are for hostile input: sizes are checked from the header before memory is taken, numbers are checked to be
+//! finite, a path in a file is not followed out of its folder, and whatever is wrong is a typed error, never a
+//! panic (`docs/reliability.md`).
 //!
 //! Images have their first row at the top, grids their row 0 at the bottom. The readers here and the writers
 //! in [`crate::export`] turn one into the other; nothing else does.
@@ -11,15 +12,19 @@
 pub mod carmen;
 mod check;
 mod error;
+mod file;
 mod finding;
 pub mod image;
 mod labels;
 mod load;
 pub mod ros;
 mod shape;
+mod training_file;
 
 pub use check::{MapCheck, Shares, check};
-pub use error::MapError;
+pub use error::{MapError, has_memory};
+pub use file::{MAX_TEXT_BYTES, NamedFiles, named_file, read, read_cells};
 pub use finding::{Finding, Severity};
 pub use labels::{LabelCell, LabelCoding, LabelImageError, image_size, read_labels, read_rooms};
-pub use load::{Format, Gray205, ImageFolder, LoadedMap, ReadOptions, Source, load_map, read_image};
+pub use load::{Format, Gray205, LoadedMap, ReadOptions, Source, load_map, read_image};
+pub use training_file::{TrainingFile, TrainingFileError, TrainingMap};

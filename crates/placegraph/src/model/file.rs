@@ -17,6 +17,8 @@ pub const FORMAT: &str = "placegraph-model";
 pub const VERSION: u32 = 1;
 /// Largest file that is read, in bytes.
 pub const MAX_BYTES: usize = 64 << 20;
+/// Largest vote of a stump: perfect ones have about 20, and sums of votes are of 32 bits.
+const MAX_ALPHA: f64 = 1e6;
 /// Largest number of relaxation iterations that a model may ask for.
 const MAX_ITERATIONS: u32 = 100_000;
 
@@ -284,7 +286,7 @@ fn read_stump(stump: (u32, f32, i8, f64), features: &[FeatureId]) -> Result<Weig
         return Err(ModelError::Value { field: "a stump's feature", expected, found: column.into() });
     };
     range("a stump's threshold", "a finite number", threshold.is_finite(), || threshold.into())?;
-    range("a stump's alpha", "a number from 0", alpha.is_finite() && alpha >= 0.0, || alpha)?;
+    range("a stump's alpha", "a number from 0 to 1e6", (0.0..=MAX_ALPHA).contains(&alpha), || alpha)?;
     let polarity = match polarity {
         1 => Polarity::Below,
         -1 => Polarity::Above,
@@ -297,8 +299,9 @@ fn read_stump(stump: (u32, f32, i8, f64), features: &[FeatureId]) -> Result<Weig
 }
 
 fn check_scan(scan: &ScanConfig) -> Result<(), ModelError> {
-    positive("range_max_m", scan.range_max_m)?;
-    positive("range_scale", scan.range_scale)
+    let ranges = ScanConfig { range_scale: 1.0, ..*scan };
+    range("range_max_m", "a number above 0 to 10000", ranges.is_valid(), || scan.range_max_m)?;
+    range("range_scale", "a number above 0 to 100", scan.is_valid(), || scan.range_scale)
 }
 
 fn check_thresholds(thresholds: &Thresholds) -> Result<(), ModelError> {

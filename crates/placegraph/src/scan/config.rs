@@ -34,6 +34,19 @@ pub struct ScanConfig {
     pub range_scale: f64,
 }
 
+impl ScanConfig {
+    /// Largest [`ScanConfig::range_max_m`]. Features are of 32 bits: powers of a range up to the sixth stay finite.
+    pub const MAX_RANGE_M: f64 = 1e4;
+    /// Largest [`ScanConfig::range_scale`].
+    pub const MAX_SCALE: f64 = 100.0;
+
+    /// Whether all numbers are above 0 and not too large for features to be numbers.
+    pub fn is_valid(&self) -> bool {
+        let in_range = |value: f64, max: f64| value > 0.0 && value <= max;
+        in_range(self.range_max_m, Self::MAX_RANGE_M) && in_range(self.range_scale, Self::MAX_SCALE)
+    }
+}
+
 impl Default for ScanConfig {
     fn default() -> Self {
         Self { range_max_m: 80.0, unknown: UnknownCells::Stop, range_scale: 1.0 }

@@ -21,7 +21,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
-use super::{all_touched, segments_cross};
+use super::segment::for_each_touched_in;
+use super::segments_cross;
 use crate::geom::Point2;
 use crate::grid::{Cell, CellGraph, Connectivity, MapFrame};
 use crate::labels::{Label, LabelSet, Role};
@@ -38,20 +39,38 @@ pub struct EditFile {
 
 /// Why an edit file cannot be read.
 #[derive(Debug, thiserror::Error)]
-#[error("expected an edit file: {source}")]
-pub struct EditFileError {
-    /// What the TOML reader found, and where.
-    #[from]
-    source: toml::de::Error,
+#[non_exhaustive]
+pub enum EditFileError {
+    /// No TOML, or an unknown action or key.
+    #[error("expected an edit file: {source}")]
+    Toml {
+        /// What the TOML reader found, and where.
+        #[from]
+        source: toml::de::Error,
+    },
+    /// A coordinate is no number.
+    #[error("expected finite numbers in edit {edit}, found {found}")]
+    Number {
+        /// Number of the edit, from 1.
+        edit: usize,
+        /// The number found.
+        found: f64,
+    },
 }
 
 impl EditFile {
     /// Reads a file's text.
     ///
     /// # Errors
-    /// If it is no TOML, or has an unknown action or key.
+    /// If it is no TOML, has an unknown action or key, or a number that is not finite.
     pub fn from_toml(text: &str) -> Result<Self, EditFileError> {
-        Ok(toml::from_str(text)?)
+        let file: Self = toml::from_str(text)?;
+        for (edit, number) in file.edits.iter().zip(1..) {
+            if let Some(&found) = edit.points().as_flattened().iter().find(|v| !v.is_finite()) {
+                return Err(EditFileError::Number { edit: number, found });
+            }
+        }
+        Ok(file)
     }
 }
 
@@ -97,6 +116,17 @@ pub enum Edit {
         /// The doorway.
         at: At,
     },
+}
+
+impl Edit {
+    /// The points that it names.
+    fn points(&self) -> Vec<At> {
+        match self {
+            Self::Rename { at, .. } | Self::Relabel { at, .. } | Self::RemoveDoorway { at } => vec![*at],
+            Self::Split { line } | Self::AddDoorway { line } => line.to_vec(),
+            Self::Merge { at } => at.clone(),
+        }
+    }
 }
 
 /// Why an edit does not apply to this map.
@@ -184,6 +214,9 @@ struct Editor<'a> {
 
 impl Editor<'_> {
     fn apply(&mut self, edit: &Edit) -> Result<(), NotApplied> {
+        if let Some(&[x, y]) = edit.points().iter().find(|at| !at.iter().all(|v| v.is_finite())) {
+            return Err(NotApplied::NoPlace { x, y });
+        }
         match edit {
             Edit::Rename { at, name } => self.rename(*at, name),
             Edit::Relabel { at, class } => {
@@ -320,13 +353,10 @@ impl Editor<'_> {
 
     /// Calls `visit` for the node of every free cell that the segment from `a` to `b` touches, in cells.
     fn for_each_node_on(&self, a: Point2, b: Point2, mut visit: impl FnMut(&Self, usize)) {
-        all_touched(a, b, |x, y| {
-            let inside =
-                (0..self.graph.width() as i64).contains(&x) && (0..self.graph.height() as i64).contains(&y);
-            if let Some(node) = inside.then(|| self.graph.node_at(Cell::new(x as u32, y as u32))).flatten() {
+        for_each_touched_in((self.graph.width(), self.graph.height()), a, b, |x, y| {
+            if let Some(node) = self.graph.node_at(Cell::new(x, y)) {
                 visit(self, node);
             }
-            true
         });
     }
 

@@ -24,9 +24,10 @@ pub struct PlaceSpan {
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlaceRaster {
     shape: GridShape,
+    /// Row of every span.
+    rows: Vec<u32>,
+    /// By row, then from the left.
     spans: Vec<PlaceSpan>,
-    /// Where the spans of a row begin; one more entry than rows.
-    row_starts: Vec<usize>,
 }
 
 /// Where an outline crosses the center line of a row.
@@ -41,7 +42,8 @@ impl PlaceRaster {
     pub fn new(map: &TopologicalMap, shape: GridShape) -> Self {
         let mut crossings = crossings(map, &shape);
         crossings.sort_by(|a, b| (a.row, a.place).cmp(&(b.row, b.place)).then(a.x.total_cmp(&b.x)));
-        let mut rows = vec![Vec::new(); shape.height as usize];
+        // Row and span.
+        let mut found: Vec<(u32, PlaceSpan)> = Vec::new();
         for pair in
             crossings.chunk_by(|a, b| (a.row, a.place) == (b.row, b.place)).flat_map(|c| c.chunks_exact(2))
         {
@@ -49,16 +51,13 @@ impl PlaceRaster {
             let column = |x: f64| (x - 0.5).ceil().clamp(0.0, shape.width as f64) as u32;
             let span = PlaceSpan { start: column(pair[0].x), end: column(pair[1].x), place: pair[0].place };
             if span.start < span.end {
-                rows[pair[0].row as usize].push(span);
+                found.push((pair[0].row, span));
             }
         }
-        let mut raster = Self { shape, spans: Vec::new(), row_starts: vec![0] };
-        for mut row in rows {
-            row.sort_by_key(|span| span.start);
-            raster.spans.append(&mut row);
-            raster.row_starts.push(raster.spans.len());
-        }
-        raster
+        // Stable: spans of a row that start alike stay in the order of their places.
+        found.sort_by_key(|&(row, span)| (row, span.start));
+        let (rows, spans) = found.into_iter().unzip();
+        Self { shape, rows, spans }
     }
 
     /// The grid.
@@ -66,16 +65,15 @@ impl PlaceRaster {
         self.shape
     }
 
-    /// The stretches of row `y`, from the left.
+    /// The stretches of row `y`, from the left. Cost: logarithmic in all stretches.
     pub fn row(&self, y: u32) -> &[PlaceSpan] {
-        &self.spans[self.row_starts[y as usize]..self.row_starts[y as usize + 1]]
+        let start = self.rows.partition_point(|&row| row < y);
+        let n = self.rows[start..].partition_point(|&row| row == y);
+        &self.spans[start..start + n]
     }
 
-    /// The place that `cell` belongs to. Cost: logarithmic in the stretches of its row.
+    /// The place that `cell` belongs to. Cost: logarithmic in the stretches.
     pub fn place_in(&self, cell: Cell) -> Option<PlaceId> {
-        if cell.y >= self.shape.height {
-            return None;
-        }
         let row = self.row(cell.y);
         let after = row.partition_point(|span| span.start <= cell.x);
         let span = row[..after].last()?;

@@ -108,14 +108,13 @@ impl TrainConfig {
         let mut distinct = self.features.clone();
         distinct.sort_unstable();
         distinct.dedup();
-        let scan = &self.scan;
         check(!distinct.is_empty(), "features", "at least one")?;
         check(distinct.len() == self.features.len(), "features", "every feature once")?;
-        check(above_0(&scan.range_max_m) && above_0(&scan.range_scale), "scan", "numbers above 0")?;
+        check(self.scan.is_valid(), "scan", "numbers above 0, ranges to 10000 m, scales to 100")?;
         check(
-            !self.scales.is_empty() && self.scales.iter().all(above_0),
+            !self.scales.is_empty() && self.scales.iter().all(|&s| above_0(&s) && s <= ScanConfig::MAX_SCALE),
             "scales",
-            "one or more numbers above 0",
+            "one or more numbers above 0 to 100",
         )?;
         let rounds = self.rounds.candidates();
         check(!rounds.is_empty() && rounds.iter().all(|&t| t > 0), "rounds", "one or more numbers above 0")?;

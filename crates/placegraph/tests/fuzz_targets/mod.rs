@@ -1,10 +1,25 @@
 //! What every fuzz target does with its bytes: used by `crates/placegraph-fuzz`, and by `fuzz_corpus.rs` to
 //! replay the committed corpus on the stable toolchain.
+#![allow(clippy::expect_used, reason = "a broken promise shall crash")]
 
-use placegraph::import::{
-    Format, LabelCoding, ReadOptions, carmen, image, read_image, read_labels, read_rooms, ros,
+use placegraph::export::{
+    ExportError, Keepout, MaskSheet, ReportInput, RmfInfo, Rotated, SpeedLimit, TmapInfo, TopologyDocument,
+    ZonePer, dot, graphml, keepout_mask, nav2_route, regions_geojson, regions_svg, report_html, rmf_building,
+    rmf_nav_graph, speed_mask, tmap2, vector_shapes, zone_mask,
 };
-use placegraph::labels::LabelSet;
+use placegraph::geom::Point2;
+use placegraph::grid::{CellGraph, OccupancyGrid};
+use placegraph::import::{
+    Format, LabelCoding, ReadOptions, TrainingFile, carmen, image, read_image, read_labels, read_rooms, ros,
+};
+use placegraph::labels::{Label, LabelField, LabelSet, Labeling};
+use placegraph::model::{Method, Model};
+use placegraph::pipeline;
+use placegraph::progress::Silent;
+use placegraph::regions::{DiagonalSteps, connected};
+use placegraph::topology::edits::{EditFile, apply};
+use placegraph::topology::query::{PlaceIndex, find_route};
+use placegraph::topology::{PlaceRaster, TopologicalMap};
 
 /// Small enough for fuzzing, large enough for every branch.
 const MAX_CELLS: u64 = 1 << 16;
@@ -48,4 +63,121 @@ pub fn label_image(bytes: &[u8]) {
             assert_eq!((cells.width(), cells.height()), size);
         }
     }
+}
+
+/// Two rooms and what joins them.
+fn small_map() -> OccupancyGrid {
+    OccupancyGrid::from_ascii(0.2, "###########\n#....#....#\n#.........#\n#....#....#\n###########")
+}
+
+fn assert_distributions(field: &LabelField) {
+    for node in 0..field.n_nodes() {
+        let row = field.row(node);
+        let sum: f32 = row.iter().sum();
+        assert!(row.iter().all(|p| (0.0..=1.0 + 1e-5).contains(p)) && (sum - 1.0).abs() < 1e-3, "{row:?}");
+    }
+}
+
+/// Model files: read and written again, and what is a model labels a small map.
+pub fn model(bytes: &[u8]) {
+    let Ok(mut model) = Model::from_json(bytes) else { return };
+    assert_eq!(Model::from_json(&model.to_json()).ok().as_ref(), Some(&model));
+    if let Method::Boosted(boosted) = &mut model.method {
+        boosted.relaxation.iterations = boosted.relaxation.iterations.min(50);
+    }
+    let found = pipeline::analyze(&small_map(), &model, &pipeline::Config::default(), &Silent);
+    assert_distributions(&found.classified);
+    assert_distributions(&found.smoothed);
+}
+
+/// `topology.json`: read and written again, asked, and exported in every format.
+pub fn topology(bytes: &[u8]) {
+    let Ok(document) = TopologyDocument::from_json(bytes) else { return };
+    let text = document.to_json().expect("what was read can be written");
+    assert_eq!(TopologyDocument::from_json(text.as_bytes()).ok().as_ref(), Some(&document));
+    let map = document.topology();
+    let shape = document.map.shape().expect("what was read has a frame");
+    let index = PlaceIndex::new(&map, shape);
+    let raster = PlaceRaster::new(&map, shape);
+    for place in &map.places {
+        assert!(index.locate(place.anchor).is_some() || place.outline.is_empty());
+        let _ = index.locate(Point2::new(1e300, -1e300));
+        if let Some(way) = find_route(&map, map.places[0].id, place.id) {
+            let _ = way.pulled_straight(&raster);
+        }
+    }
+    let n_cells = u64::from(shape.width) * u64::from(shape.height);
+    if n_cells <= MAX_CELLS {
+        exports(&document, &map);
+    }
+}
+
+/// All formats; one that refuses does not keep the others from being tried.
+fn exports(document: &TopologyDocument, map: &TopologicalMap) {
+    let (classes, frame_id) = (&document.classes, document.map.frame_id.as_str());
+    let shape = document.map.shape().expect("what was read has a frame");
+    let info = RmfInfo { building: "b".into(), level: "L1".into(), drawing: "map.png".into() };
+    let tmap = TmapInfo {
+        name: "b".into(),
+        metric_map: "b".into(),
+        frame_id: frame_id.into(),
+        last_updated: "11-25-2026_20-00-00".into(),
+    };
+    let sheet = MaskSheet {
+        shape,
+        rotated: Rotated::Resample,
+        image_name: "mask.png".into(),
+        map_name: "mask.yaml".into(),
+        frame_id: frame_id.into(),
+    };
+    let report = ReportInput {
+        title: "b",
+        frame_id,
+        map,
+        labels: classes,
+        shape: &shape,
+        occupancy: None,
+        probability: None,
+        findings: &document.findings,
+    };
+    let files: [Result<Vec<u8>, ExportError>; 13] = [
+        Ok(dot(map, classes).into_bytes()),
+        Ok(regions_svg(map, classes, &shape).into_bytes()),
+        graphml(map, &shape, frame_id),
+        regions_geojson(map),
+        nav2_route(map, frame_id),
+        rmf_building(map, &shape, &info),
+        rmf_nav_graph(map, &shape, &info),
+        tmap2(map, &tmap),
+        vector_shapes(map, &shape, frame_id, &Keepout::default()),
+        report_html(&report).map(String::into_bytes),
+        keepout_mask(map, &sheet, &Keepout::default()).map(|files| files.image),
+        speed_mask(map, &sheet, &SpeedLimit::default()).map(|files| files.image),
+        zone_mask(map, &sheet, ZonePer::Place).map(|files| files.image),
+    ];
+    assert!(files.iter().flatten().all(|file| !file.is_empty()));
+}
+
+/// Training files.
+pub fn training_file(bytes: &[u8]) {
+    if let Some(file) = std::str::from_utf8(bytes).ok().and_then(|text| TrainingFile::from_toml(text).ok()) {
+        assert!(!file.maps.is_empty());
+        assert!((LabelSet::MIN..=LabelSet::MAX).contains(&file.classes.len()));
+    }
+}
+
+/// Edit files, applied to a small map.
+pub fn edits(bytes: &[u8]) {
+    let Some(file) = std::str::from_utf8(bytes).ok().and_then(|text| EditFile::from_toml(text).ok()) else {
+        return;
+    };
+    let map = small_map();
+    let graph = CellGraph::new(&map.cells);
+    let label = |x: u32| Label([1, 2, 0][(x > 4) as usize + (x > 5) as usize]);
+    let labels: Labeling = graph.cells().iter().map(|cell| label(cell.x)).collect();
+    let regions = connected(&graph, &labels, DiagonalSteps::default());
+    let edited = apply(&map.frame, &graph, &LabelSet::default(), &regions, &file.edits);
+    assert_eq!(edited.outcomes.len(), file.edits.len());
+    let n_cells: u32 = edited.regions.regions.iter().map(|region| region.n_cells).sum();
+    assert!(n_cells as usize == graph.n_nodes() && edited.regions.regions.iter().all(|r| r.n_cells > 0));
 }

@@ -8,8 +8,7 @@ use placegraph::import::{LabelCoding, ReadOptions};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::training::{LabeledMap, Window};
 
-use super::super::train::labeled_map;
-use crate::manifest::MapEntry;
+use super::super::train::{Entry, labeled_map};
 
 /// Where a building's map is found.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +60,7 @@ impl Building {
             ensure!(path.is_file(), "expected the file {}, found none: {}", path.display(), source.title);
         }
         let read = |folder: &Path, labels: &str| {
-            let entry = MapEntry { map: folder.join("map.yaml"), labels: folder.join(labels), crop: None };
+            let entry = Entry { map: folder.join("map.yaml"), labels: folder.join(labels), crop: None };
             labeled_map(&entry, &LabelCoding::of(&LabelSet::default()), &ReadOptions::default())
         };
         let mut map = read(&folder, "labels.png")?;

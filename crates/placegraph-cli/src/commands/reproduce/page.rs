@@ -34,9 +34,9 @@ fn introduction(results: &Results, remarks: Option<&str>) -> String {
          * **Chapter's setting**: T = {rounds} rounds, temperature 1, one scale, all training cells (with several scales \
          {scaled} per class), the order of the decision list chosen on held-out blocks of the training cells, 50 \
          iterations of the relaxation, the two corrections.\n\
-         * **Best setting**: rounds (of {candidates:?}) and temperature chosen on held-out blocks of the training cells, \
-         at most {most} training cells per class, evenly taken ({scaled} with several scales); narrow passages are marked \
-         as doorways before the corrections.\n\n\
+         * **Best setting**: rounds (of {candidates:?}) and temperature chosen on held-out blocks of the training cells \
+         (with several scales {scaled} per class, evenly taken; for a network's list, and where whole buildings are learned \
+         from, {most}); narrow passages are marked as doorways before the corrections.\n\n\
          The chapter's labels were not published with its maps. Those used here are drawn by hand, and so are the \
          borders of doorways, on which much depends: see [how far two drawings agree](#how-far-two-drawings-agree). \
          \"Within one cell\" also counts a cell as right if its label is drawn in one of its eight neighbors.\n",

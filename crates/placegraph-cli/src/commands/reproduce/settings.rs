@@ -18,7 +18,9 @@ pub(super) struct Settings {
     pub(super) iterations_curve: Vec<u32>,
     /// Scales of the training maps in Sect. 4.8.2.
     pub(super) scales: Vec<f64>,
-    /// Most training cells of a class in the best setting, and where whole buildings are learned from.
+    /// Most training cells of a class in the best setting, if not all are taken.
+    pub(super) best_max_cells: Option<usize>,
+    /// The same for a network's list, and where whole buildings are learned from.
     pub(super) max_cells: usize,
     /// The same where every cell is seen at all scales.
     pub(super) max_cells_scaled: usize,
@@ -34,6 +36,7 @@ impl Default for Settings {
             rounds_curve: vec![10, 25, 50, 75, 100, 150, 200, 300, 400, 500],
             iterations_curve: vec![0, 1, 2, 5, 10, 20, 30, 40, 50, 60, 80, 100],
             scales: vec![0.7, 0.85, 1.0, 1.2, 1.4],
+            best_max_cells: None,
             max_cells: 6000,
             max_cells_scaled: 3000,
             network_stride: 4,
@@ -51,9 +54,14 @@ impl Settings {
     pub(super) fn best(&self) -> TrainConfig {
         TrainConfig {
             rounds: Choice::Among(self.best_rounds.clone()),
-            max_cells_per_class: Some(self.max_cells),
+            max_cells_per_class: self.best_max_cells,
             ..TrainConfig::default()
         }
+    }
+
+    /// `config` with at most so many training cells of a class as a network's list takes.
+    pub(super) fn thinned(&self, config: TrainConfig) -> TrainConfig {
+        TrainConfig { max_cells_per_class: Some(self.max_cells), ..config }
     }
 
     /// `config` with every training cell seen at several scales.
@@ -76,8 +84,8 @@ impl Settings {
         IamnConfig { select: SelectConfig { weighing: Weighing::Printed, ..network.select }, ..network }
     }
 
-    /// The network on a decision list that is trained as in the best setting.
+    /// The network on a decision list that is trained as in the best setting, on fewer cells.
     pub(super) fn best_network(&self) -> NetworkConfig {
-        NetworkConfig { base: self.best(), ..NetworkConfig::default() }
+        NetworkConfig { base: self.thinned(self.best()), ..NetworkConfig::default() }
     }
 }

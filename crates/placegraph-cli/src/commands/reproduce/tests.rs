@@ -20,6 +20,7 @@ fn small() -> Settings {
         rounds_curve: vec![2, 6, 8],
         iterations_curve: vec![0, 10, 50],
         scales: vec![1.0, 1.2],
+        best_max_cells: Some(400),
         max_cells: 400,
         max_cells_scaled: 200,
         network_stride: 2,

@@ -96,13 +96,14 @@ pub(super) fn pairs(
     settings: &Settings,
     progress: &dyn Progress,
 ) -> Result<Vec<Pair>> {
-    let thinned = TrainConfig { max_cells_per_class: Some(settings.max_cells), ..settings.chapter() };
+    let chapter = settings.thinned(settings.chapter());
+    let best = settings.thinned(settings.best());
     let label_set = LabelSet::default();
     let mut pairs = Vec::new();
     for (number, training) in buildings.iter().enumerate() {
         let maps = std::slice::from_ref(&training.map);
-        let chapter = train(maps, &label_set, &thinned, progress)?;
-        let best = train(maps, &label_set, &settings.best(), progress)?;
+        let chapter = train(maps, &label_set, &chapter, progress)?;
+        let best = train(maps, &label_set, &best, progress)?;
         for (_, test) in buildings.iter().enumerate().filter(|(other, _)| *other != number) {
             let truth = test.truth_from(0);
             pairs.push(Pair {

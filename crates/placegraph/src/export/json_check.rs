@@ -1,0 +1,150 @@
+//! What a `topology.json` is checked for before other code relies on it.
+
+use super::json::{TopologyDocument, TopologyError};
+use crate::geom::Point2;
+use crate::grid::MapFrame;
+use crate::labels::Class;
+use crate::topology::{Connection, Place, PlaceId};
+
+/// Points may lie this far outside of the grid: what rounding in any frame moves them.
+const MARGIN_CELLS: f64 = 1.0;
+
+/// Checks that the document does not contradict itself.
+pub(super) fn check(document: &TopologyDocument) -> Result<(), TopologyError> {
+    let frame = check_map(document)?;
+    check_places(document)?;
+    check_connections(document)?;
+    Geometry { document, frame }.check()
+}
+
+fn check_map(document: &TopologyDocument) -> Result<MapFrame, TopologyError> {
+    let (width, height, resolution_m) = (document.map.width, document.map.height, document.map.resolution_m);
+    let wrong = || TopologyError::Map { width, height, resolution_m };
+    let n_cells = u64::from(width) * u64::from(height);
+    if n_cells == 0 || n_cells >= u64::from(u32::MAX) {
+        return Err(wrong());
+    }
+    MapFrame::new(resolution_m, document.map.origin).map_err(|_| wrong())
+}
+
+fn check_places(document: &TopologyDocument) -> Result<(), TopologyError> {
+    let mut previous = 0;
+    for place in &document.places {
+        let PlaceId(found) = place.id;
+        if found <= previous {
+            return Err(TopologyError::PlaceOrder { previous, found });
+        }
+        previous = found;
+        let has_class = |class: &Class| class.name == place.class && class.role == place.role;
+        if !document.classes.classes().iter().any(has_class) {
+            let role = format!("{:?}", place.role).to_lowercase();
+            return Err(TopologyError::PlaceClass { place: found, class: place.class.clone(), role });
+        }
+    }
+    for place in &document.places {
+        for &side in place.doorway.iter().flat_map(|doorway| &doorway.sides) {
+            check_id(document, side, || format!("the sides of place {}", place.id.0))?;
+        }
+    }
+    Ok(())
+}
+
+fn check_connections(document: &TopologyDocument) -> Result<(), TopologyError> {
+    let mut previous = (PlaceId(0), PlaceId(0));
+    for &Connection { a, b, .. } in &document.connections {
+        check_id(document, a, || format!("the connection {} to {}", a.0, b.0))?;
+        check_id(document, b, || format!("the connection {} to {}", a.0, b.0))?;
+        if a >= b || (a, b) <= previous {
+            return Err(TopologyError::ConnectionOrder { a: a.0, b: b.0 });
+        }
+        previous = (a, b);
+    }
+    Ok(())
+}
+
+fn check_id(
+    document: &TopologyDocument,
+    id: PlaceId,
+    referrer: impl Fn() -> String,
+) -> Result<(), TopologyError> {
+    match document.places.binary_search_by_key(&id, |place| place.id) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(TopologyError::UnknownPlace { referrer: referrer(), found: id.0 }),
+    }
+}
+
+/// The numbers of a document.
+struct Geometry<'a> {
+    document: &'a TopologyDocument,
+    frame: MapFrame,
+}
+
+impl Geometry<'_> {
+    fn check(&self) -> Result<(), TopologyError> {
+        // Every side of a cell bounds at most two places.
+        let n_cells = u64::from(self.document.map.width) * u64::from(self.document.map.height);
+        let mut rows_left = 4.0 * n_cells as f64;
+        for place in &self.document.places {
+            self.check_place(place)?;
+            for ring in
+                place.outline.iter().flat_map(|part| std::iter::once(&part.exterior).chain(&part.holes))
+            {
+                self.points(ring, || format!("a corner of the outline of place {}", place.id.0))?;
+                let next = ring.iter().cycle().skip(1);
+                let rows = |(a, b): (&Point2, &Point2)| {
+                    (self.frame.cells_from_map(*a).y - self.frame.cells_from_map(*b).y).abs()
+                };
+                rows_left -= ring.iter().zip(next).map(rows).sum::<f64>();
+            }
+            if rows_left < -1.0 {
+                return Err(TopologyError::Outlines { n_cells });
+            }
+        }
+        self.document.connections.iter().try_for_each(|connection| self.check_connection(connection))
+    }
+
+    fn check_place(&self, place: &Place) -> Result<(), TopologyError> {
+        let of = |what: &str| format!("the {what} of place {}", place.id.0);
+        measure(place.probability, || of("probability"))?;
+        measure(place.area_m2, || of("area"))?;
+        measure(place.clearance_m, || of("clearance"))?;
+        measure(place.axes.major_m, || of("major axis"))?;
+        measure(place.axes.minor_m, || of("minor axis"))?;
+        measure(place.axes.direction_rad.abs(), || of("direction"))?;
+        self.points(&[place.centroid], || of("centroid"))?;
+        self.points(&[place.anchor], || of("anchor"))?;
+        if let Some(doorway) = &place.doorway {
+            measure(doorway.width_m, || of("width"))?;
+            self.points(&doorway.jambs, || of("jambs"))?;
+        }
+        Ok(())
+    }
+
+    fn check_connection(&self, connection: &Connection) -> Result<(), TopologyError> {
+        let of =
+            |what: &str| format!("the {what} of the connection {} to {}", connection.a.0, connection.b.0);
+        measure(connection.contact_m, || of("contact"))?;
+        self.points(&[connection.middle], || of("middle"))?;
+        if let Some(route) = &connection.route {
+            measure(route.length_m, || of("length"))?;
+            self.points(&route.line, || of("route"))?;
+        }
+        Ok(())
+    }
+
+    fn points(&self, points: &[Point2], of: impl Fn() -> String) -> Result<(), TopologyError> {
+        for &point in points {
+            let Point2 { x, y } = self.frame.cells_from_map(point);
+            let inside = |v: f64, side: u32| (-MARGIN_CELLS..=side as f64 + MARGIN_CELLS).contains(&v);
+            if !inside(x, self.document.map.width) || !inside(y, self.document.map.height) {
+                return Err(TopologyError::Point { of: of(), x: point.x, y: point.y });
+            }
+        }
+        Ok(())
+    }
+}
+
+fn measure(found: f64, of: impl Fn() -> String) -> Result<(), TopologyError> {
+    // Sums and squares of what passes stay finite.
+    if (0.0..1e18).contains(&found) { Ok(()) } else { Err(TopologyError::Measure { of: of(), found }) }
+}
