@@ -102,12 +102,9 @@ fn a_model_trained_here_labels_and_is_judged() {
         ),
     )
     .unwrap();
-    let outside = placegraph(&[&"train", &manifest, &"-o", &model]);
-    assert!(stderr(&outside).contains("--allow-outside"), "{}", stderr(&outside));
     let report = done(&[
         &"train",
         &manifest,
-        &"--allow-outside",
         &"-o",
         &model,
         &"--rounds",

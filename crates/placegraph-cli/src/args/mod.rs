@@ -66,7 +66,7 @@ pub(crate) struct ReadArgs {
     /// Read gray 205 as the file's thresholds say, even where they turn unexplored space free
     #[arg(long)]
     pub(crate) trust_thresholds: bool,
-    /// Read a file that a map or training file names outside of its own folder
+    /// Read an image that a map file names outside of its own folder
     #[arg(long)]
     pub(crate) allow_outside: bool,
     /// Refuse maps with more cells than this

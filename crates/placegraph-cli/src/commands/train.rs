@@ -57,7 +57,7 @@ pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
 
 fn what_to_train_on(args: &TrainArgs) -> Result<(Vec<Entry>, LabelSet, LabelCoding)> {
     if let Some(path) = &args.manifest {
-        return manifest(path, read::options(&args.read).named_files);
+        return manifest(path);
     }
     let (Some(map), Some(labels)) = (&args.map, &args.labels) else {
         bail!("expected a training file, or --map with --labels");
@@ -69,13 +69,16 @@ fn what_to_train_on(args: &TrainArgs) -> Result<(Vec<Entry>, LabelSet, LabelCodi
     Ok((vec![entry], label_set, coding))
 }
 
-/// Reads a training file; the paths it names are relative to where it lies.
-fn manifest(path: &Path, allowed: NamedFiles) -> Result<(Vec<Entry>, LabelSet, LabelCoding)> {
+/// Reads a training file; the paths it names are relative to where it lies. Its author says what to train on, as the
+/// arguments would: it may name any file.
+fn manifest(path: &Path) -> Result<(Vec<Entry>, LabelSet, LabelCoding)> {
     let in_file = || format!("in {}", path.display());
     let file = TrainingFile::from_toml(&read::text(path, "training file")?).with_context(in_file)?;
     let entries = file.maps.iter().map(|entry| -> Result<Entry> {
         let named = |name| {
-            import::named_file(path, name, allowed).with_context(in_file).with_context(|| name.to_owned())
+            import::named_file(path, name, NamedFiles::Anywhere)
+                .with_context(in_file)
+                .with_context(|| name.to_owned())
         };
         Ok(Entry { map: named(&entry.map)?, labels: named(&entry.labels)?, crop: entry.crop })
     });
