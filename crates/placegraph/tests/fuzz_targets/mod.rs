@@ -139,6 +139,7 @@ fn exports(document: &TopologyDocument, map: &TopologicalMap) {
         occupancy: None,
         probability: None,
         findings: &document.findings,
+        provenance: "",
     };
     let files: [Result<Vec<u8>, ExportError>; 13] = [
         Ok(dot(map, classes).into_bytes()),
