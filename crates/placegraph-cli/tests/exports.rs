@@ -96,9 +96,13 @@ fn a_mask_may_have_another_name_and_other_values() {
 fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
     let out = TempDir::new().unwrap();
     let path = |name: &str| out.path().join(name);
-    let mut document = json(&topology());
-    document["map"]["origin"]["yaw_rad"] = 0.3.into();
-    fs::write(path("turned.json"), document.to_string()).unwrap();
+    let yaml = fs::read_to_string(home()).unwrap();
+    let turned =
+        yaml.lines().map(|line| if line.starts_with("origin") { "origin: [1, 2, 0.3]" } else { line });
+    fs::write(path("map.yaml"), turned.collect::<Vec<_>>().join("\n")).unwrap();
+    fs::copy(shipped("home/map.png"), path("map.png")).unwrap();
+    done(&[&"map", &path("map.yaml"), &"--out", &path("turned")]);
+    fs::copy(path("turned/topology.json"), path("turned.json")).unwrap();
     let mut document = json(&topology());
     document["connections"] = Value::Array(Vec::new());
     fs::write(path("lonely.json"), document.to_string()).unwrap();
