@@ -52,6 +52,8 @@ pub(crate) struct Labeled {
     pub(crate) analysis: Analysis,
     /// How long each stage took.
     pub(crate) timings: Vec<(Stage, Duration)>,
+    /// Formats that cannot hold this map, and why.
+    pub(crate) left_out: Vec<String>,
 }
 
 impl<'a> Setup<'a> {
@@ -112,7 +114,7 @@ impl<'a> Setup<'a> {
                 |(stage, time): &(Stage, Duration)| (stage.name().to_owned(), time.as_secs_f64() * 1e3);
             document.timings_ms = timings.iter().map(in_ms).collect();
         }
-        Ok(Labeled { document, analysis, timings })
+        Ok(Labeled { document, analysis, timings, left_out: Vec::new() })
     }
 
     fn unapplied_edits(&self, analysis: &Analysis) -> Vec<String> {
@@ -130,11 +132,14 @@ impl<'a> Setup<'a> {
             && found.map.hash == map.hash
             && found.map.name == map.name
             && found.model.as_ref() == Some(&self.model.info());
-        let names = self.file_names(&map.name).ok()?;
+        let is_left_out =
+            |format: &Format| found.findings.iter().any(|finding| finding.starts_with(&left_out(*format)));
+        let names = self.file_names(&map.name, |format| !is_left_out(format)).ok()?;
         (is_same && names.iter().all(|name| folder.join(name).is_file())).then_some(found)
     }
 
-    fn file_names(&self, map_name: &str) -> Result<Vec<String>> {
+    /// The names of a result's files, with those of the formats that are `wanted`.
+    fn file_names(&self, map_name: &str, wanted: impl Fn(&Format) -> bool) -> Result<Vec<String>> {
         let mut names: Vec<String> =
             ["labels.png", "labels.yaml", "regions.png", "regions.yaml", "overview.png"]
                 .map(str::to_owned)
@@ -145,15 +150,15 @@ impl<'a> Setup<'a> {
         if self.args.probabilities {
             names.push("probabilities.npy".to_owned());
         }
-        for &format in &self.formats {
+        for &format in self.formats.iter().filter(|format| wanted(format)) {
             names.extend(exports::file_names(format, &exports::usual_name(format, map_name))?);
         }
         Ok(names)
     }
 
-    /// The files of a result.
-    pub(crate) fn files(&self, map: &LoadedMap, labeled: &Labeled) -> Result<OutputSet> {
-        let Labeled { document, analysis, .. } = labeled;
+    /// The files of a result. A format that cannot hold the map is left out, and `labeled` tells it.
+    pub(crate) fn files(&self, map: &LoadedMap, labeled: &mut Labeled) -> Result<OutputSet> {
+        let Labeled { document, analysis, .. } = &*labeled;
         let (graph, frame) = (&analysis.graph, &map.grid.frame);
         let mut files = OutputSet::default();
         if self.args.stages {
@@ -177,14 +182,27 @@ impl<'a> Setup<'a> {
             subject.occupancy = Some(&map.grid.cells);
             subject.probability = Some(most_likely_probability(graph, &analysis.smoothed));
         }
+        let mut reasons = Vec::new();
         for &format in &self.formats {
-            for (name, bytes) in subject.files(format, &exports::usual_name(format, &map.name))? {
-                files.add(name, bytes);
+            let main = exports::usual_name(format, &map.name);
+            match subject.files(format, &main) {
+                Ok(exported) => exported.into_iter().for_each(|(name, bytes)| files.add(name, bytes)),
+                Err(error) => {
+                    exports::file_names(format, &main)?.into_iter().for_each(|name| files.leave_out(name));
+                    reasons.push(format!("{}{error:#}", left_out(format)));
+                }
             }
         }
-        files.add(DOCUMENT, document.to_json()?);
+        labeled.document.findings.extend_from_slice(&reasons);
+        labeled.left_out = reasons;
+        files.add(DOCUMENT, labeled.document.to_json()?);
         Ok(files)
     }
+}
+
+/// How a finding begins that says why a format is left out.
+fn left_out(format: Format) -> String {
+    format!("{format} is left out: ")
 }
 
 fn read_edits(path: &Path) -> Result<EditFile> {

@@ -78,6 +78,41 @@ fn map_and_export_write_the_same_files() {
 }
 
 #[test]
+fn a_format_that_cannot_hold_a_map_is_left_out_and_told() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let pixel = |i: usize| if i < 40 || i >= 1160 || i % 40 == 0 || i % 40 == 39 { 0 } else { 254 };
+    fs::write(path("room.pgm"), [b"P5\n40 30\n255\n".to_vec(), (0..1200).map(pixel).collect()].concat())
+        .unwrap();
+    let room = path("room.pgm");
+    let map: [&dyn AsRef<std::ffi::OsStr>; 6] =
+        [&"map", &room, &"--resolution", &"0.1", &"--export", &"nav2,dot"];
+    let out = path("out");
+    // A result from before must not stay beside the new one.
+    fs::create_dir(&out).unwrap();
+    fs::write(out.join("route_graph.geojson"), "old").unwrap();
+    let output = placegraph(&[&map[..], &[&"--out", &out]].concat());
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("nav2 is left out: "), "{}", stderr(&output));
+    let found = names(&out);
+    assert!(found.contains(&"graph.dot".to_owned()) && found.contains(&"topology.json".to_owned()));
+    assert!(!found.contains(&"route_graph.geojson".to_owned()), "{found:?}");
+    let findings = json(&out.join("topology.json"))["findings"].to_string();
+    assert!(findings.contains("nav2 is left out: "), "{findings}");
+
+    let both = path("both");
+    let office = shipped("office/map.yaml");
+    let many = [&map[..2], &[&office as &dyn AsRef<std::ffi::OsStr>], &map[4..], &[&"--out", &both]].concat();
+    let many = [&many[..], &[&"--resolution", &"0.1"]].concat();
+    assert_eq!(placegraph(&many).status.code(), Some(1));
+    assert!(both.join("map/route_graph.geojson").exists());
+    let table = fs::read_to_string(both.join("summary.csv")).unwrap();
+    assert!(table.contains("labeled") && table.contains("nav2 is left out"), "{table}");
+    let again = placegraph(&[&many[..], &[&"--resume"]].concat());
+    assert_eq!(again.status.code(), Some(0), "what is complete stays: {}", stderr(&again));
+}
+
+#[test]
 fn a_mask_may_have_another_name_and_other_values() {
     let out = TempDir::new().unwrap();
     let masks = out.path().join("masks.toml");

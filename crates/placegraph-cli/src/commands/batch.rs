@@ -19,50 +19,49 @@ pub(crate) fn run(folders: &[PathBuf], setup: &Setup<'_>, args: &MapArgs) -> Res
     let counter = MapCounter::start(args.maps.len());
     let classes = setup.classes();
     let mut table = Table::new(&classes);
-    let mut n_failed = 0;
+    let (mut n_failed, mut n_incomplete) = (0, 0);
     for (path, folder) in args.maps.iter().zip(folders) {
         let name = path.display().to_string();
         counter.begin(&name);
         let result = guarded(|| label(path, folder, setup, args));
         counter.end(&match &result {
-            Ok((Status::Labeled(_), document)) => format!("{name}: {}", summary(document)),
-            Ok((Status::Kept, document)) => format!("{name}: kept, {}", summary(document)),
+            Ok(Done { time: Some(_), document, left_out }) => {
+                let parts = [summary(document)].into_iter().chain(left_out.iter().cloned());
+                format!("{name}: {}", parts.collect::<Vec<_>>().join("; "))
+            }
+            Ok(Done { time: None, document, .. }) => format!("{name}: kept, {}", summary(document)),
             Err(error) => format!("error: {name}: {error:#}"),
         });
         n_failed += usize::from(result.is_err());
+        n_incomplete += usize::from(result.as_ref().is_ok_and(|done| !done.left_out.is_empty()));
         table.add(&name, &result);
     }
     drop(counter);
     write_file(&args.out.join("summary.csv"), table.text.as_bytes())?;
     ensure!(n_failed < args.maps.len(), "none of the {n_failed} maps could be labeled");
-    Ok(if n_failed == 0 { Outcome::Done } else { Outcome::CheckFailed })
+    Ok(if n_failed + n_incomplete == 0 { Outcome::Done } else { Outcome::CheckFailed })
 }
 
-/// How a map got its results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Status {
-    /// In this run; how long its stages took, reading and writing files not among them.
-    Labeled(Duration),
-    /// In an earlier one.
-    Kept,
+/// A map that has its results.
+struct Done {
+    /// How long its stages took, reading and writing files not among them; `None` if an earlier run labeled it.
+    time: Option<Duration>,
+    document: TopologyDocument,
+    /// Formats that were left out, and why.
+    left_out: Vec<String>,
 }
 
-fn label(
-    path: &Path,
-    folder: &Path,
-    setup: &Setup<'_>,
-    args: &MapArgs,
-) -> Result<(Status, TopologyDocument)> {
+fn label(path: &Path, folder: &Path, setup: &Setup<'_>, args: &MapArgs) -> Result<Done> {
     let map = read::map(path, &args.read)?;
     if args.resume
         && let Some(document) = setup.kept(&map, folder)
     {
-        return Ok((Status::Kept, document));
+        return Ok(Done { time: None, document, left_out: Vec::new() });
     }
-    let labeled = setup.label(&map, &Watch::without_bar())?;
-    setup.files(&map, &labeled)?.commit(folder)?;
+    let mut labeled = setup.label(&map, &Watch::without_bar())?;
+    setup.files(&map, &mut labeled)?.commit(folder)?;
     let time = labeled.timings.iter().map(|(_, time)| *time).sum();
-    Ok((Status::Labeled(time), labeled.document))
+    Ok(Done { time: Some(time), document: labeled.document, left_out: labeled.left_out })
 }
 
 /// A row per map, as comma-separated values.
@@ -78,14 +77,12 @@ impl<'a> Table<'a> {
         Self { classes, text: row(header) }
     }
 
-    fn add(&mut self, map: &str, result: &Result<(Status, TopologyDocument)>) {
+    fn add(&mut self, map: &str, result: &Result<Done>) {
         let fields = match result {
-            Ok((status, document)) => {
-                let (status, seconds) = match status {
-                    Status::Labeled(time) => ("labeled", format!("{:.3}", time.as_secs_f64())),
-                    Status::Kept => ("kept", String::new()),
-                };
-                let mut fields = vec![map.to_owned(), status.to_owned(), String::new()];
+            Ok(Done { time, document, left_out }) => {
+                let status = if time.is_some() { "labeled" } else { "kept" };
+                let seconds = time.map(|time| format!("{:.3}", time.as_secs_f64())).unwrap_or_default();
+                let mut fields = vec![map.to_owned(), status.to_owned(), left_out.join("; ")];
                 let n_places = |class: &&str| document.places.iter().filter(|p| p.class == **class).count();
                 fields.extend(self.classes.iter().map(|class| n_places(class).to_string()));
                 let area_m2: f64 = document.places.iter().map(|place| place.area_m2).sum();

@@ -13,27 +13,32 @@ use crate::output::{complain, print};
 use crate::progress::Watch;
 use crate::read;
 
-/// Labels every map; with several, one that fails does not stop the rest.
+/// Labels every map; with several, one that fails does not stop the rest. A format that cannot hold a map is left out of its
+/// result, which fails the check.
 pub(crate) fn run(args: &MapArgs, verbose: bool) -> Result<Outcome> {
     let setup = Setup::new(args)?;
     let folders = output_folders(&args.maps, &args.out)?;
     match (args.maps.as_slice(), folders.as_slice()) {
-        ([map], [folder]) if !args.resume => {
-            label_one(map, folder, &setup, args, verbose)?;
-            Ok(Outcome::Done)
-        }
+        ([map], [folder]) if !args.resume => label_one(map, folder, &setup, args, verbose),
         _ => batch::run(&folders, &setup, args),
     }
 }
 
-fn label_one(path: &Path, folder: &Path, setup: &Setup<'_>, args: &MapArgs, verbose: bool) -> Result<()> {
+fn label_one(
+    path: &Path,
+    folder: &Path,
+    setup: &Setup<'_>,
+    args: &MapArgs,
+    verbose: bool,
+) -> Result<Outcome> {
     let map = read::map(path, &args.read)?;
-    let labeled = setup.label(&map, &Watch::start(&map.name))?;
+    let mut labeled = setup.label(&map, &Watch::start(&map.name))?;
+    let files = setup.files(&map, &mut labeled)?;
     let document = &labeled.document;
     for finding in &document.findings {
         complain(&format!("{}: {finding}", path.display()));
     }
-    let written = setup.files(&map, &labeled)?.commit(folder)?;
+    let written = files.commit(folder)?;
     if verbose {
         for (stage, time) in &labeled.timings {
             complain(&format!("{:<10} {:>8.1} ms", stage.name(), time.as_secs_f64() * 1e3));
@@ -45,7 +50,7 @@ fn label_one(path: &Path, folder: &Path, setup: &Setup<'_>, args: &MapArgs, verb
     for change in &labeled.analysis.changes {
         print(&format!("{}\n", in_words(change, &labeled.analysis.topology)))?;
     }
-    Ok(())
+    Ok(if labeled.left_out.is_empty() { Outcome::Done } else { Outcome::CheckFailed })
 }
 
 /// A line for people: new places by name and number, earlier ones by number.
