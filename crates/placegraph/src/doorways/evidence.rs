@@ -1,12 +1,11 @@
 //! Whether a gate is a doorway: what its surroundings and the labels say.
 
 use super::gate::Gate;
-use super::obstacles::Obstacles;
 use super::paint;
 use super::sides::{Side, Surroundings, Walks, surroundings};
 use super::{DoorwayConfig, GateRule};
-use crate::geom::Vec2;
-use crate::grid::CellGraph;
+use crate::geom::{Point2, Vec2};
+use crate::grid::{Cell, CellGraph, Obstacles};
 use crate::labels::{LabelField, LabelSet, Role};
 
 /// All that is asked when a gate is judged.
@@ -16,7 +15,8 @@ pub(super) struct Evidence<'a> {
     /// Distribution of every node of `graph`.
     pub(super) field: &'a LabelField,
     pub(super) label_set: &'a LabelSet,
-    pub(super) obstacles: &'a Obstacles,
+    /// The obstacles between the nodes of `graph`.
+    pub(super) obstacles: Obstacles<'a>,
     pub(super) resolution_m: f64,
     pub(super) config: &'a DoorwayConfig,
 }
@@ -45,12 +45,30 @@ impl Evidence<'_> {
                 && (side.far_clearance as f64).sqrt() >= rule.far_widening * half
                 && side.n_cells as f64 * self.resolution_m.powi(2) >= rule.min_area_m2
         };
-        let jamb_m = |offset: Vec2| self.obstacles.length_at(gate.center + offset) as f64 * self.resolution_m;
-        let to_jamb = gate.across * half;
+        let to_jamb: Vec2 = gate.across * half;
+        let jambs = [gate.center + to_jamb, gate.center + to_jamb * -1.0];
         // Half a step of tolerance: the walk is capped at the number asked for.
         found.bypass * self.resolution_m >= rule.min_bypass_m - self.resolution_m / 2.0
-            && jamb_m(to_jamb).min(jamb_m(to_jamb * -1.0)) >= rule.min_jamb_m
             && found.sides.iter().all(wide_enough)
+            && jambs.iter().all(|&jamb| self.is_jamb(jamb, rule.min_jamb_m))
+    }
+
+    /// Whether there is an obstacle of at least this length at most 1.25 columns and rows from `point`. Outside of the map
+    /// is one.
+    fn is_jamb(&self, point: Point2, min_length_m: f64) -> bool {
+        // The longest that is too short; lengths are whole cells.
+        let too_short = ((min_length_m / self.resolution_m - 1e-9).ceil() as u32).saturating_sub(1);
+        let columns = |v: f64| (v - 1.75).ceil() as i64..=(v + 0.75).floor() as i64;
+        columns(point.y).any(|y| {
+            columns(point.x).any(|x| {
+                let (Ok(x), Ok(y)) = (u32::try_from(x), u32::try_from(y)) else { return true };
+                let is_inside = x < self.graph.width() && y < self.graph.height();
+                !is_inside || {
+                    let cell = Cell::new(x, y);
+                    self.graph.node_at(cell).is_none() && self.obstacles.small_at(cell, too_short).is_none()
+                }
+            })
+        })
     }
 
     /// How much the labels speak for a doorway, 0 to 1: the mean probability of one in it, or the largest

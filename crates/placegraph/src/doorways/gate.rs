@@ -1,7 +1,9 @@
 //! Gates: pairs of opposite walls at the width of a door.
 
+use std::cmp::Ordering;
+
 use super::DoorwayConfig;
-use super::saddles::is_saddle;
+use super::saddles::saddles;
 use crate::geom::{Point2, Vec2};
 use crate::grid::{Cell, CellGraph};
 
@@ -25,7 +27,8 @@ impl Gate {
     }
 }
 
-/// All gates of the map that could be doorways by their own measures, narrowest first.
+/// All gates of the map that could be doorways by their own measures, narrowest first, of these the deepest first. Gates
+/// that are equal in both stand together: which of them comes first says nothing.
 pub(super) fn candidates(
     graph: &CellGraph,
     clearance: &[i64],
@@ -36,30 +39,39 @@ pub(super) fn candidates(
     let (narrowest, widest) = (cells_of(config.min_width_m), cells_of(config.max_width_m));
     // Clearance is measured between centers: a free width w has walls w / 2 + 1 / 2 away.
     let is_door_sized = |squared: i64| (squared as f64).sqrt() <= widest / 2.0 + 1.0;
-    let mut found: Vec<Gate> = (0..graph.n_nodes())
-        .filter(|&node| is_door_sized(clearance[node]) && is_saddle(graph, clearance, node))
-        .filter_map(|node| opposite_walls(graph, node, clearance[node]))
+    let mut found: Vec<Gate> = saddles(graph, clearance, is_door_sized)
+        .into_iter()
+        .flat_map(|node| opposite_walls(graph, node, clearance[node]))
         .filter(|gate| (narrowest..=widest).contains(&(gate.width - 1.0)))
         .filter_map(|gate| with_depth(graph, gate, cells_of(config.max_depth_m)))
         .collect();
-    found.sort_by(|a, b| a.width.total_cmp(&b.width));
+    let place = |gate: &Gate| [gate.center.x, gate.center.y, gate.across.x, gate.across.y];
+    let by_place = |a: &Gate, b: &Gate| {
+        place(a).iter().zip(place(b)).map(|(a, b)| a.total_cmp(&b)).find(|order| order.is_ne())
+    };
+    found.sort_by(|a, b| {
+        let by_size = a.width.total_cmp(&b.width).then(b.depth.total_cmp(&a.depth));
+        by_size.then(by_place(a, b).unwrap_or(Ordering::Equal))
+    });
     found.dedup();
     found
 }
 
 /// The gates among `candidates` that `is_doorway` accepts, but none whose strip, with `margin` cells on both sides, begins
-/// in that of an earlier one: seen from aside, a door has a second shortest line.
-pub(super) fn accepted(candidates: Vec<Gate>, margin: f64, is_doorway: impl Fn(&Gate) -> bool) -> Vec<Gate> {
+/// in that of an earlier one: seen from aside, a door has a second shortest line. Of gates that are equally wide and deep
+/// none is earlier.
+pub(super) fn accepted(candidates: &[Gate], margin: f64, is_doorway: impl Fn(&Gate) -> bool) -> Vec<Gate> {
     let mut accepted: Vec<Gate> = Vec::new();
-    for gate in candidates {
-        let lies_in = |other: &Gate| {
+    #[expect(clippy::float_cmp, reason = "the same shape has the same width and depth, to the last bit")]
+    for equal in candidates.chunk_by(|a, b| a.width == b.width && a.depth == b.depth) {
+        let lies_in = |gate: &Gate, other: &Gate| {
             let (across, along) = other.local(gate.center);
             across.abs() <= other.width / 2.0
                 && along.abs() <= f64::midpoint(other.depth, gate.depth) + 2.0 * margin
         };
-        if !accepted.iter().any(lies_in) && is_doorway(&gate) {
-            accepted.push(gate);
-        }
+        let is_new = |gate: &&Gate| !accepted.iter().any(|other| lies_in(gate, other)) && is_doorway(gate);
+        let new: Vec<Gate> = equal.iter().filter(is_new).copied().collect();
+        accepted.extend(new);
     }
     accepted
 }
@@ -68,16 +80,22 @@ pub(super) fn center_of(cell: Cell) -> Point2 {
     Point2::new(cell.x as f64 + 0.5, cell.y as f64 + 0.5)
 }
 
+/// Whether all cells that `point` lies in, or on the border of, are free.
 fn is_free(graph: &CellGraph, point: Point2) -> bool {
+    let touched = |v: f64| [v.floor(), v.ceil() - 1.0];
     let inside = |v: f64, side: u32| (0.0..side as f64).contains(&v);
-    inside(point.x, graph.width())
-        && inside(point.y, graph.height())
-        && graph.node_at(Cell::new(point.x as u32, point.y as u32)).is_some()
+    touched(point.y).iter().all(|&y| {
+        touched(point.x).iter().all(|&x| {
+            inside(x, graph.width())
+                && inside(y, graph.height())
+                && graph.node_at(Cell::new(x as u32, y as u32)).is_some()
+        })
+    })
 }
 
-/// The shortest line through the neighborhood of `node` between two cells that are not free, about as near
-/// to it as the nearest, and more than 120 degrees apart as seen from it.
-fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: i64) -> Option<Gate> {
+/// The shortest lines through the neighborhood of `node` between two cells that are not free, about as near
+/// to it as the nearest, and more than 120 degrees apart as seen from it; of these the ones with their middle nearest to it.
+fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: i64) -> Vec<Gate> {
     let here = center_of(graph.cells()[node]);
     // Where two walls are equally near in truth, the centers of their cells differ by up to a diagonal.
     let reach = (squared_clearance as f64).sqrt() + 1.5;
@@ -86,22 +104,26 @@ fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: i64) -> Opt
         .flat_map(|dy| (-steps..=steps).map(move |dx| Vec2::new(dx as f64, dy as f64)))
         .filter(|step| step.length() <= reach && !is_free(graph, here + *step))
         .collect();
-    let mut best: Option<(f64, f64, Gate)> = None;
+    let mut shortest = (f64::INFINITY, f64::INFINITY);
+    let mut gates = Vec::new();
     for (index, &a) in walls.iter().enumerate() {
         for &b in &walls[index + 1..] {
             let width = (b - a).length();
-            if a.dot(b) > -0.5 * a.length() * b.length() {
+            if width > shortest.0 || a.dot(b) > -0.5 * a.length() * b.length() {
                 continue;
             }
             let center = here + (a + b) * 0.5;
-            let off = center.distance(here);
-            if best.is_none_or(|(w, o, _)| (width, off) < (w, o)) {
-                best =
-                    Some((width, off, Gate { center, across: (b - a) * (1.0 / width), width, depth: 0.0 }));
+            let length = (width, center.distance(here));
+            if length < shortest {
+                shortest = length;
+                gates.clear();
+            }
+            if length <= shortest {
+                gates.push(Gate { center, across: (b - a) * (1.0 / width), width, depth: 0.0 });
             }
         }
     }
-    best.map(|(_, _, gate)| gate)
+    gates
 }
 
 /// The gate with its depth: how far the passage stays as narrow, at most `max_depth` cells in all. `center`

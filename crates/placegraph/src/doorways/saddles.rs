@@ -1,6 +1,8 @@
-//! Clearance and its saddles: nodes where higher ground lies on two sides.
+//! Clearance and its saddles: level stretches with higher ground on two sides.
 
-use crate::grid::{CellGraph, squared_clearances};
+use std::cmp::Ordering;
+
+use crate::grid::{CellGraph, Connectivity, squared_clearances};
 
 /// Squared distance of every node to the nearest center of a cell that is not free, in cells.
 pub(super) fn squared_clearance(graph: &CellGraph) -> Vec<i64> {
@@ -9,15 +11,63 @@ pub(super) fn squared_clearance(graph: &CellGraph) -> Vec<i64> {
     clearance
 }
 
-/// The 8 cells around a cell, counter-clockwise from the right.
-const RING: [(i32, i32); 8] = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1)];
+/// Nodes of equal clearance that are connected, and whether they are a saddle.
+///
+/// Where the map is flooded from the widest places down, spaces meet, or close a loop, at saddles only: there the nodes
+/// around that have more clearance form two or more groups. Taken as a whole, a level stretch is a saddle or none
+/// whichever way the map is turned.
+pub(super) fn saddles(graph: &CellGraph, clearance: &[i64], is_wanted: impl Fn(i64) -> bool) -> Vec<usize> {
+    let mut is_seen = vec![false; graph.n_nodes()];
+    let mut found = Vec::new();
+    for start in 0..graph.n_nodes() {
+        if is_seen[start] || !is_wanted(clearance[start]) {
+            continue;
+        }
+        is_seen[start] = true;
+        let (mut level, mut higher) = (vec![start], Vec::new());
+        let mut next = 0;
+        while let Some(&node) = level.get(next) {
+            next += 1;
+            for neighbor in graph.neighbors(node, Connectivity::Eight) {
+                match clearance[neighbor].cmp(&clearance[node]) {
+                    Ordering::Greater => higher.push(neighbor),
+                    Ordering::Equal if !is_seen[neighbor] => {
+                        is_seen[neighbor] = true;
+                        level.push(neighbor);
+                    }
+                    _ => {}
+                }
+            }
+        }
+        if n_groups(graph, higher) >= 2 {
+            found.extend(level);
+        }
+    }
+    found.sort_unstable();
+    found
+}
 
-/// Whether the neighbors of `node` with more clearance (ties: the lower node) form two or more 8-connected
-/// groups. Where the map is flooded from the widest places down, spaces meet, or close a loop, at such nodes
-/// only. The count is the crossing number [Hilditch 1969].
-pub(super) fn is_saddle(graph: &CellGraph, clearance: &[i64], node: usize) -> bool {
-    let key = |node: usize| (clearance[node], std::cmp::Reverse(node));
-    let higher = RING.map(|step| graph.node_at_step(node, step).is_some_and(|next| key(next) > key(node)));
-    let starts = |k: &usize| !higher[*k] && (higher[*k + 1] || higher[(*k + 2) % 8]);
-    [0, 2, 4, 6].iter().filter(|k| starts(k)).count() >= 2
+/// Number of 8-connected groups of `nodes`.
+fn n_groups(graph: &CellGraph, mut nodes: Vec<usize>) -> usize {
+    nodes.sort_unstable();
+    nodes.dedup();
+    let mut is_seen = vec![false; nodes.len()];
+    let mut n = 0;
+    for start in 0..nodes.len() {
+        if std::mem::replace(&mut is_seen[start], true) {
+            continue;
+        }
+        n += 1;
+        let mut open = vec![nodes[start]];
+        while let Some(node) = open.pop() {
+            for neighbor in graph.neighbors(node, Connectivity::Eight) {
+                if let Ok(position) = nodes.binary_search(&neighbor)
+                    && !std::mem::replace(&mut is_seen[position], true)
+                {
+                    open.push(neighbor);
+                }
+            }
+        }
+    }
+    n
 }

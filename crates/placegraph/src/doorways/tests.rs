@@ -1,5 +1,4 @@
 use super::gate::Gate;
-use super::obstacles::Obstacles;
 use super::saddles::squared_clearance;
 use super::sides::{Walks, surroundings};
 use super::{DoorwayConfig, mark};
@@ -133,23 +132,6 @@ fn a_plausible_gate_is_a_doorway_where_the_labels_support_it() {
     let undecided = LabelField::from_rows(3, [0.5, 0.5, 0.0].repeat(graph.n_nodes()));
     let marked = mark(&graph, RESOLUTION_M, &undecided, &labels, &LabelSet::default(), &config);
     assert!(marked.iter().all(|label| *label != DOORWAY));
-}
-
-#[test]
-fn obstacles_know_their_length() {
-    let graph = map(30, 20, |x, y| {
-        (5..8).contains(&x) && y == 5 || x == 8 && y == 6 || x == 20 && (10..12).contains(&y)
-    });
-    let obstacles = Obstacles::of(&graph);
-    let at = |x: f64, y: f64| obstacles.length_at(Point2::new(x + 0.5, y + 0.5));
-    assert_eq!(at(5.0, 5.0), 4, "diagonal cells belong together");
-    assert_eq!(at(8.0, 6.0), 4);
-    assert_eq!(at(21.0, 12.0), 2, "of the cells around");
-    assert_eq!(at(14.0, 14.0), 0);
-    assert_eq!(at(0.0, 9.0), Obstacles::ENDLESS);
-    assert_eq!(at(-3.0, 9.0), Obstacles::ENDLESS);
-    assert_eq!(obstacles.cleared(2).n_nodes(), graph.n_nodes() + 2);
-    assert_eq!(obstacles.cleared(4).n_nodes(), graph.n_nodes() + 6);
 }
 
 #[test]

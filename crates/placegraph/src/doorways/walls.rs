@@ -15,26 +15,36 @@ const RADIUS_M: f64 = 2.5;
 const FROM_WALL: std::ops::RangeInclusive<f64> = 1.5..=6.0;
 /// Least agreement of the directions, 0 to 1: 0 for a round room, 1 for straight walls at right angles.
 const MIN_AGREEMENT: f64 = 0.4;
+/// Steps of a sum per unit.
+const STEPS: f64 = (1u64 << 40) as f64;
 /// A gate is turned by at most this angle: what lies more askew is a door in another wall.
 const MAX_TURN_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
 
 /// `gate` turned about its center into the direction of the walls around it, where they agree on one.
 pub(super) fn aligned(graph: &CellGraph, clearance: &[i64], resolution_m: f64, gate: Gate) -> Gate {
-    let Some(wall_rad) = direction(graph, clearance, &gate, RADIUS_M / resolution_m) else { return gate };
-    let gate_rad = gate.across.y.atan2(gate.across.x);
-    let quarter = std::f64::consts::FRAC_PI_2;
-    // The turn to the nearest of the four directions at right angles.
-    let turn_rad = (wall_rad - gate_rad) - quarter * ((wall_rad - gate_rad) / quarter).round();
+    let Some(walls) = direction(graph, clearance, &gate, RADIUS_M / resolution_m) else { return gate };
+    // The turn to the nearest of the four directions at right angles, from the gate's own: in a map that is turned by
+    // a quarter it is the same to the last bit.
+    let own = fourth_power(gate.across);
+    let turn_rad = own.cross(walls).atan2(own.dot(walls)) / 4.0;
     if turn_rad.abs() > MAX_TURN_RAD {
         return gate;
     }
-    let (sin, cos) = (gate_rad + turn_rad).sin_cos();
-    Gate { across: Vec2::new(cos, sin), width: gate.width * turn_rad.cos(), ..gate }
+    let (sin, cos) = turn_rad.sin_cos();
+    let Vec2 { x, y } = gate.across;
+    Gate { across: Vec2::new(cos * x - sin * y, sin * x + cos * y), width: gate.width * cos, ..gate }
 }
 
-/// The direction of the walls within `radius` cells, modulo a quarter turn: a fourth of the angle of the mean of g⁴
-/// over the unit gradients g of the clearance, as complex numbers. `None` if they do not agree.
-fn direction(graph: &CellGraph, clearance: &[i64], gate: &Gate, radius: f64) -> Option<f64> {
+/// The square of the square of a vector as a complex number: its angle four times, the same for all four directions
+/// at right angles.
+fn fourth_power(v: Vec2) -> Vec2 {
+    let square = |v: Vec2| Vec2::new(v.x * v.x - v.y * v.y, 2.0 * v.x * v.y);
+    square(square(v))
+}
+
+/// The direction of the walls within `radius` cells, as the mean of g⁴ over the unit gradients g of the clearance, as
+/// complex numbers. `None` if they do not agree.
+fn direction(graph: &CellGraph, clearance: &[i64], gate: &Gate, radius: f64) -> Option<Vec2> {
     let height = |node: usize| (clearance[node] as f64).sqrt();
     let gradient = |node: usize| {
         let at = |step| graph.node_at_step(node, step).map(height);
@@ -43,7 +53,8 @@ fn direction(graph: &CellGraph, clearance: &[i64], gate: &Gate, radius: f64) -> 
     let range = |middle: f64, side: u32| {
         ((middle - radius).max(0.0) as u32)..((middle + radius) as u32 + 1).min(side)
     };
-    let (mut sum, mut n) = (Vec2::new(0.0, 0.0), 0.0);
+    // Sums of whole steps do not depend on the order of the cells.
+    let (mut sum, mut n) = ([0i64; 2], 0i64);
     for y in range(gate.center.y, graph.height()) {
         for x in range(gate.center.x, graph.width()) {
             let cell = Cell::new(x, y);
@@ -52,13 +63,14 @@ fn direction(graph: &CellGraph, clearance: &[i64], gate: &Gate, radius: f64) -> 
                 continue;
             }
             let Some(gradient) = gradient(node).filter(|g| g.length() > 0.0) else { continue };
-            let unit = gradient * (1.0 / gradient.length());
-            let squared = Vec2::new(unit.x * unit.x - unit.y * unit.y, 2.0 * unit.x * unit.y);
-            sum = sum + Vec2::new(squared.x * squared.x - squared.y * squared.y, 2.0 * squared.x * squared.y);
-            n += 1.0;
+            let power = fourth_power(gradient * (1.0 / gradient.length()));
+            sum = [sum[0] + (power.x * STEPS).round() as i64, sum[1] + (power.y * STEPS).round() as i64];
+            n += 1;
         }
     }
-    (n > 0.0 && sum.length() >= MIN_AGREEMENT * n).then(|| sum.y.atan2(sum.x) / 4.0)
+    let mean = |sum: i64| sum as f64 / (n as f64 * STEPS);
+    let mean = (n > 0).then(|| Vec2::new(mean(sum[0]), mean(sum[1])))?;
+    (mean.length() >= MIN_AGREEMENT).then_some(mean)
 }
 
 #[cfg(test)]
