@@ -50,7 +50,9 @@ pub fn settle(
 ) -> Labeling {
     assert!(field.n_nodes() == graph.n_nodes() && labeling.len() == graph.n_nodes(), "one label per node");
     let is_doorway = |label: &Label| label_set.role(*label) == Role::Doorway;
-    let candidates: Vec<Label> = label_set.labels().filter(|label| !is_doorway(label)).collect();
+    let mut candidates: Vec<Label> = label_set.labels().filter(|label| !is_doorway(label)).collect();
+    // Borders of equal cost lie as the order of the labels has it: not as the classes are numbered.
+    candidates.sort_by_key(|&label| &label_set.class(label).name);
     if candidates.len() < 2 {
         return labeling.to_vec();
     }

@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use placegraph::geom::Pose2;
-use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Occupancy, OccupancyGrid};
+use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Obstacles, Occupancy, OccupancyGrid};
 use placegraph::scan::{
     self, Block, BlockRanges, Instructions, N_BEAMS, RayCaster, ScanConfig, UnknownCells,
 };
@@ -37,8 +37,10 @@ fn walk(
 fn assert_equal_scans(grid: &OccupancyGrid, cells: &[Cell], config: &ScanConfig) {
     let wide = walk(grid, cells, config, Instructions::Widest);
     let plain = walk(grid, cells, config, Instructions::Baseline);
+    let max_speck = (config.max_speck_m / grid.frame.resolution_m()).round() as u32;
+    let cleared = OccupancyGrid { frame: grid.frame, cells: Obstacles::of(&grid.cells).cleared(max_speck) };
     for (i, &cell) in cells.iter().enumerate() {
-        let expected = traverse(grid, cell, config);
+        let expected = traverse(&cleared, cell, config);
         assert_eq!(scan::cast(grid, cell, config).ranges_m(), expected, "single scan of {cell:?}");
         let expected: Vec<f32> = expected.into_iter().map(|range| range as f32).collect();
         assert_eq!(wide[i], expected, "walk of {cell:?}");
@@ -71,11 +73,12 @@ proptest! {
         range_max_m in prop::sample::select(vec![0.3, 2.0, 80.0]),
         unknown in prop::sample::select(vec![UnknownCells::Stop, UnknownCells::Pass]),
         range_scale in prop::sample::select(vec![1.0, 0.7]),
+        max_speck_m in prop::sample::select(vec![0.0, 0.05, 0.2]),
         stride in 1usize..9,
     ) {
         let graph = CellGraph::new(&grid.cells);
         let cells: Vec<Cell> = graph.cells().iter().copied().step_by(stride).collect();
-        assert_equal_scans(&grid, &cells, &ScanConfig { range_max_m, unknown, range_scale });
+        assert_equal_scans(&grid, &cells, &ScanConfig { range_max_m, unknown, range_scale, max_speck_m });
     }
 
     #[test]

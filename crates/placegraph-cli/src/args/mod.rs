@@ -200,7 +200,7 @@ pub(crate) struct TrainArgs {
     #[arg(long, value_enum, default_value_t = MethodArg::Boosted)]
     pub(crate) method: MethodArg,
     /// The chapter's own setting: 100 rounds, temperature 1, one scale; of the network: distances alone
-    #[arg(long, conflicts_with_all = ["rounds", "temperature", "scales"])]
+    #[arg(long, conflicts_with_all = ["rounds", "temperature", "scales", "max_speck"])]
     pub(crate) chapter: bool,
     /// Boosting rounds [default: chosen by cross-validation]
     #[arg(long, value_name = "T")]
@@ -211,6 +211,10 @@ pub(crate) struct TrainArgs {
     /// Train on the building at these scales
     #[arg(long, value_delimiter = ',', value_name = "S,...")]
     pub(crate) scales: Option<Vec<f64>>,
+    /// When maps are labeled, scans pass through obstacles that stand free and are at most this long and wide, in meters
+    /// [default: 0]
+    #[arg(long, value_name = "METERS")]
+    pub(crate) max_speck: Option<f64>,
     /// Train on at most so many cells of each class, evenly taken [default: all]
     #[arg(long, value_name = "N")]
     pub(crate) max_cells_per_class: Option<usize>,

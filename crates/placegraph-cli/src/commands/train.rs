@@ -145,6 +145,7 @@ fn with_arguments(mut config: TrainConfig, args: &TrainArgs) -> TrainConfig {
     if let Some(scales) = &args.scales {
         config.scales.clone_from(scales);
     }
+    config.scan.max_speck_m = args.max_speck.unwrap_or(config.scan.max_speck_m);
     config.max_cells_per_class = args.max_cells_per_class.or(config.max_cells_per_class);
     config
 }

@@ -9,6 +9,7 @@ mod frame;
 #[expect(clippy::module_inception, reason = "the module's main type")]
 mod grid;
 mod neighbors;
+mod obstacles;
 mod occupancy;
 mod shape;
 
@@ -17,5 +18,6 @@ pub(crate) use clearance::squared_clearances;
 pub use frame::{FrameError, MAX_ORIGIN, MAX_RESOLUTION_M, MIN_RESOLUTION_M, MapFrame};
 pub use grid::{Cell, Grid};
 pub use neighbors::Connectivity;
+pub use obstacles::Obstacles;
 pub use occupancy::{Occupancy, OccupancyGrid};
 pub use shape::GridShape;

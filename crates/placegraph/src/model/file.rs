@@ -299,9 +299,12 @@ fn read_stump(stump: (u32, f32, i8, f64), features: &[FeatureId]) -> Result<Weig
 }
 
 fn check_scan(scan: &ScanConfig) -> Result<(), ModelError> {
-    let ranges = ScanConfig { range_scale: 1.0, ..*scan };
+    let default = ScanConfig::default();
+    let ranges = ScanConfig { range_max_m: scan.range_max_m, ..default };
     range("range_max_m", "a number above 0 to 10000", ranges.is_valid(), || scan.range_max_m)?;
-    range("range_scale", "a number above 0 to 100", scan.is_valid(), || scan.range_scale)
+    let scales = ScanConfig { range_scale: scan.range_scale, ..default };
+    range("range_scale", "a number above 0 to 100", scales.is_valid(), || scan.range_scale)?;
+    range("max_speck_m", "a number from 0 to 2", scan.is_valid(), || scan.max_speck_m)
 }
 
 fn check_thresholds(thresholds: &Thresholds) -> Result<(), ModelError> {

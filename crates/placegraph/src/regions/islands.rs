@@ -6,6 +6,9 @@
 //!
 //! **Deviation.** The chapter keeps such regions as they are.
 
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+
 use super::{RegionId, RegionMap, contacts};
 use crate::grid::{Cell, CellGraph};
 use crate::labels::Label;
@@ -26,45 +29,59 @@ pub fn islands(graph: &CellGraph, resolution_m: f64, regions: &RegionMap, min_m2
     if found.len() == regions.regions.len() { Vec::new() } else { found }
 }
 
-/// `regions` where every one of `islands` has the label of the nearest node of another region that is none, by
-/// the larger coordinate (ties: the lower row, then the lower column).
+/// `regions` where every one of `islands` has the label of the nearest nodes of other regions that are none, by the larger
+/// coordinate; of several labels the one of most of them (ties: the lower label).
 ///
-/// Cost: for every island the square of cells around it that reaches so far.
+/// Cost: for every cell of an island the square of cells around it that reaches so far.
 pub fn label_islands(graph: &CellGraph, regions: &RegionMap, islands: &[RegionId]) -> RegionMap {
-    let mut is_island = vec![false; regions.regions.len()];
+    let mut cells_of = vec![None; regions.regions.len()];
     for id in islands {
-        is_island[id.index()] = true;
+        cells_of[id.index()] = Some(Vec::new());
     }
+    for (&cell, id) in graph.cells().iter().zip(&regions.region_of) {
+        if let Some(cells) = &mut cells_of[id.index()] {
+            cells.push(cell);
+        }
+    }
+    let of_mainland = |cell: Cell| {
+        let region = regions.region_of[graph.node_at(cell)?];
+        cells_of[region.index()].is_none().then(|| regions.regions[region.index()].label)
+    };
     let mut labeled = regions.clone();
-    let mut is_done = vec![false; regions.regions.len()];
-    for (node, id) in regions.region_of.iter().enumerate() {
-        if !is_island[id.index()] || std::mem::replace(&mut is_done[id.index()], true) {
-            continue;
-        }
-        // An island is smaller than what parts it from its surroundings is thick, so its first cell may stand for it.
-        let of_mainland = |cell: Cell| {
-            let region = regions.region_of[graph.node_at(cell)?];
-            (!is_island[region.index()]).then(|| regions.regions[region.index()].label)
-        };
-        if let Some(label) = nearest(graph, graph.cells()[node], of_mainland) {
-            labeled.regions[id.index()].label = label;
-        }
+    for (region, cells) in labeled.regions.iter_mut().zip(&cells_of) {
+        let Some(cells) = cells else { continue };
+        region.label = nearest_label(graph, cells, of_mainland).unwrap_or(region.label);
     }
     labeled
 }
 
-/// What `find` finds first on growing squares around `cell`.
-fn nearest(graph: &CellGraph, cell: Cell, find: impl Fn(Cell) -> Option<Label>) -> Option<Label> {
-    let (width, height) = (graph.width(), graph.height());
-    let range =
-        |middle: u32, radius: u32, side: u32| middle.saturating_sub(radius)..=(middle + radius).min(side - 1);
-    (1..width.max(height)).find_map(|radius| {
-        range(cell.y, radius, height).find_map(|y| {
-            let is_edge = y.abs_diff(cell.y) == radius;
-            range(cell.x, radius, width)
-                .filter(|x| is_edge || x.abs_diff(cell.x) == radius)
-                .find_map(|x| find(Cell::new(x, y)))
-        })
+/// The label that `label_at` knows most often on the smallest squares around `cells` on which it knows any.
+fn nearest_label(
+    graph: &CellGraph,
+    cells: &[Cell],
+    label_at: impl Fn(Cell) -> Option<Label>,
+) -> Option<Label> {
+    (1..graph.width().max(graph.height())).find_map(|radius| {
+        let mut n_found = BTreeMap::new();
+        for &cell in cells {
+            for label in square(graph, cell, radius).filter_map(&label_at) {
+                *n_found.entry(label).or_insert(0) += 1;
+            }
+        }
+        n_found.into_iter().max_by_key(|&(label, n)| (n, Reverse(label))).map(|(label, _)| label)
+    })
+}
+
+/// The cells of the map that are `radius` away from `cell` by the larger coordinate.
+fn square(graph: &CellGraph, cell: Cell, radius: u32) -> impl Iterator<Item = Cell> {
+    let range = |middle: u32, side: u32| {
+        middle.saturating_sub(radius)..=(middle.saturating_add(radius)).min(side - 1)
+    };
+    let columns = range(cell.x, graph.width());
+    range(cell.y, graph.height()).flat_map(move |y| {
+        let is_edge = y.abs_diff(cell.y) == radius;
+        let inner = columns.clone().filter(move |x| is_edge || x.abs_diff(cell.x) == radius);
+        inner.map(move |x| Cell::new(x, y))
     })
 }
 

@@ -2,12 +2,12 @@
 
 use super::path::{Octant, octant_path};
 use super::{N_BEAMS, RangeScan, ScanConfig, UnknownCells};
-use crate::grid::{Cell, Occupancy, OccupancyGrid};
+use crate::grid::{Cell, Obstacles, Occupancy, OccupancyGrid};
 
 /// The scan that a robot in the center of `cell` sees, aligned with the grid's axes.
 ///
 /// A beam ends where it enters the first cell that stops it ([`ScanConfig`]), or at the maximal range. What
-/// `cell` itself holds does not matter. Cost: O(width + height) per beam.
+/// `cell` itself holds does not matter. Cost: O(width + height) per beam, and a pass over the map where specks are not seen.
 ///
 /// # Examples
 /// ```
@@ -22,7 +22,10 @@ use crate::grid::{Cell, Occupancy, OccupancyGrid};
 pub fn cast(grid: &OccupancyGrid, cell: Cell, config: &ScanConfig) -> RangeScan {
     let range_max_cells = config.range_max_m / grid.frame.resolution_m();
     let n_max = grid.cells.width() as usize + grid.cells.height() as usize;
-    let stops = |x: i32, y: i32| match grid.cells.offset(cell, (x, y)).map(|at| grid.cells[at]) {
+    let max_speck = config.max_speck_cells(grid.frame.resolution_m());
+    let cleared = (max_speck > 0).then(|| Obstacles::of(&grid.cells).cleared(max_speck));
+    let cells = cleared.as_ref().unwrap_or(&grid.cells);
+    let stops = |x: i32, y: i32| match cells.offset(cell, (x, y)).map(|at| cells[at]) {
         Some(Occupancy::Free) => false,
         Some(Occupancy::Unknown) => config.unknown == UnknownCells::Stop,
         Some(Occupancy::Occupied) | None => true,

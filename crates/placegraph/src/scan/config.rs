@@ -32,6 +32,15 @@ pub struct ScanConfig {
     /// Every range is multiplied by this after casting: the building at another scale (Sect. 4.8.2).
     /// Default 1.
     pub range_scale: f64,
+    /// Obstacles that stand free and are at most this long and wide, in meters, are passed through, as the legs of tables and
+    /// chairs are and what noise leaves. Default 0: all are seen.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub max_speck_m: f64,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_zero(value: &f64) -> bool {
+    *value <= 0.0
 }
 
 impl ScanConfig {
@@ -39,16 +48,25 @@ impl ScanConfig {
     pub const MAX_RANGE_M: f64 = 1e4;
     /// Largest [`ScanConfig::range_scale`].
     pub const MAX_SCALE: f64 = 100.0;
+    /// Largest [`ScanConfig::max_speck_m`].
+    pub const MAX_SPECK_M: f64 = 2.0;
 
-    /// Whether all numbers are above 0 and not too large for features to be numbers.
+    /// Whether ranges and scale are above 0 and not too large for features to be numbers, and specks have a size.
     pub fn is_valid(&self) -> bool {
         let in_range = |value: f64, max: f64| value > 0.0 && value <= max;
-        in_range(self.range_max_m, Self::MAX_RANGE_M) && in_range(self.range_scale, Self::MAX_SCALE)
+        in_range(self.range_max_m, Self::MAX_RANGE_M)
+            && in_range(self.range_scale, Self::MAX_SCALE)
+            && (0.0..=Self::MAX_SPECK_M).contains(&self.max_speck_m)
+    }
+
+    /// [`ScanConfig::max_speck_m`] in whole cells.
+    pub(super) fn max_speck_cells(&self, resolution_m: f64) -> u32 {
+        (self.max_speck_m / resolution_m).round() as u32
     }
 }
 
 impl Default for ScanConfig {
     fn default() -> Self {
-        Self { range_max_m: 80.0, unknown: UnknownCells::Stop, range_scale: 1.0 }
+        Self { range_max_m: 80.0, unknown: UnknownCells::Stop, range_scale: 1.0, max_speck_m: 0.0 }
     }
 }

@@ -46,7 +46,7 @@ impl<T: Copy> Choice<T> {
 pub struct TrainConfig {
     /// Features that boosting may use. Default: all.
     pub features: Vec<FeatureId>,
-    /// How scans are simulated.
+    /// How scans are simulated. The scans that are learned from see specks, whatever it says of them.
     pub scan: ScanConfig,
     /// Every scan is seen at each of these scales: its ranges are multiplied (Sect. 4.8.2). Default: 1 alone.
     pub scales: Vec<f64>,
@@ -110,7 +110,11 @@ impl TrainConfig {
         distinct.dedup();
         check(!distinct.is_empty(), "features", "at least one")?;
         check(distinct.len() == self.features.len(), "features", "every feature once")?;
-        check(self.scan.is_valid(), "scan", "numbers above 0, ranges to 10000 m, scales to 100")?;
+        check(
+            self.scan.is_valid(),
+            "scan",
+            "ranges above 0 to 10000 m, a scale above 0 to 100, specks to 2 m",
+        )?;
         check(
             !self.scales.is_empty() && self.scales.iter().all(|&s| above_0(&s) && s <= ScanConfig::MAX_SCALE),
             "scales",
