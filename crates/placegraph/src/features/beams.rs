@@ -44,24 +44,23 @@ pub(super) fn clipped_differences(d: &Ranges, with_sd: bool, values: &mut Values
         let (mean, sd) = uncut.unwrap_or_else(
             #[inline(always)]
             || {
-                for i in beams(N_BEAMS, 1) {
-                    let limit = Lanes::all(limit);
-                    differences[i] = (d[i].min(limit) - d[i + 1].min(limit)).abs();
-                }
-                if with_sd {
-                    mean_and_sd(
-                        N_BEAMS,
-                        #[inline(always)]
-                        |i| differences[i],
-                    )
-                } else {
+                let limit = Lanes::all(limit);
+                if !with_sd {
                     let mean = mean(
                         N_BEAMS,
                         #[inline(always)]
-                        |i| differences[i],
+                        |i| clipped_difference(d, limit, i),
                     );
-                    (mean, Lanes::all(0.0))
+                    return (mean, Lanes::all(0.0));
                 }
+                for i in beams(N_BEAMS, 1) {
+                    differences[i] = clipped_difference(d, limit, i);
+                }
+                mean_and_sd(
+                    N_BEAMS,
+                    #[inline(always)]
+                    |i| differences[i],
+                )
             },
         );
         if limit >= longest {
@@ -70,6 +69,11 @@ pub(super) fn clipped_differences(d: &Ranges, with_sd: bool, values: &mut Values
         values.set_member(M::MeanClippedDifference, member, mean);
         values.set_member(M::SdClippedDifference, member, sd);
     }
+}
+
+#[inline(always)]
+fn clipped_difference(d: &Ranges, limit: Singles, i: usize) -> Singles {
+    (d[i].min(limit) - d[i + 1].min(limit)).abs()
 }
 
 /// A5, A6, A13, A14 and A16.
