@@ -1,106 +1,128 @@
-//! The engine against its plain twins, in one run on the same cells: read the ratios, not the times.
+//! Scans and features beside their plain twins and beside the processor's speed, in one run on the same cells:
+//! `cargo bench -p placegraph --bench engine`. Read the ratios, not the times.
 
 #![allow(missing_docs, reason = "criterion makes public functions")]
 #![allow(clippy::unwrap_used, reason = "a benchmark panics where a test would")]
 
-use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use placegraph::features::{FeatureId, Job, evaluate, freiburg203, of_scan};
-use placegraph::geom::Pose2;
-use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Occupancy, OccupancyGrid};
+use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
+use placegraph::features::{FeatureId, Job, all, evaluate, freiburg203, of_scan};
+use placegraph::grid::{Cell, CellGraph, OccupancyGrid};
+use placegraph::model::{Method, Model};
 use placegraph::progress::Silent;
 use placegraph::scan::{self, Block, BlockRanges, Instructions, N_BEAMS, RayCaster, ScanConfig};
 use placegraph_testkit::plain_features::plain_feature;
 use placegraph_testkit::rays::traverse;
 
-/// Rooms of 4.5 × 3.5 m with doors and a few obstacles, at 5 cm a cell.
-fn office() -> OccupancyGrid {
-    let mut cells = Grid::filled(640, 480, Occupancy::Free);
-    for cell in cells.clone().cells() {
-        let (column, row) = (cell.x % 90, cell.y % 70);
-        let wall = column == 0 && !(20..38).contains(&row) || row == 0 && !(40..58).contains(&column);
-        let border = cell.x == 0 || cell.y == 0 || cell.x == 639 || cell.y == 479;
-        let obstacle = (cell.x * 7919 + cell.y * 104_729) % 997 == 0;
-        if wall || border || obstacle {
-            cells[cell] = Occupancy::Occupied;
-        }
-    }
-    OccupancyGrid { frame: MapFrame::new(0.05, Pose2::default()).unwrap(), cells }
-}
+#[path = "probe/limits.rs"]
+mod limits;
+mod maps;
 
-/// Free cells of the second and third band of blocks.
-fn some_cells(grid: &OccupancyGrid) -> Vec<Cell> {
-    let graph = CellGraph::new(&grid.cells);
-    graph.cells().iter().copied().filter(|cell| (8..24).contains(&cell.y)).collect()
-}
+use maps::office;
+
+/// Widths of the maps, for three sizes; the second one for everything that is measured once.
+const WIDTHS: [u32; 3] = [160, 320, 640];
 
 fn casting(criterion: &mut Criterion) {
-    let (grid, config) = (office(), ScanConfig::default());
-    let cells = some_cells(&grid);
-    let caster = RayCaster::new(&grid, &config);
-    let blocks = Block::of_cells(&cells);
-    let mut ranges = BlockRanges::new();
+    let config = ScanConfig::default();
     let mut group = criterion.benchmark_group("rays");
-    group.throughput(Throughput::Elements((cells.len() * N_BEAMS) as u64));
-    for instructions in [Instructions::Widest, Instructions::Baseline] {
-        group.bench_function(format!("walk, {instructions:?}"), |bencher| {
-            bencher.iter(|| {
-                for block in &blocks {
-                    caster.cast_block(block, instructions, &mut ranges);
-                }
-            });
-        });
-    }
-    group.sample_size(10);
-    let few: Vec<Cell> = cells.iter().copied().step_by(50).collect();
-    group.throughput(Throughput::Elements((few.len() * N_BEAMS) as u64));
-    group.bench_function("traversal", |bencher| {
-        bencher.iter(|| few.iter().map(|&cell| traverse(&grid, cell, &config)[17]).sum::<f64>());
-    });
-    group.finish();
-}
-
-fn measuring(criterion: &mut Criterion) {
-    let (grid, config) = (office(), ScanConfig::default());
-    let cells = some_cells(&grid);
-    let thirty: Vec<FeatureId> = freiburg203().into_iter().step_by(7).collect();
-    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let mut group = criterion.benchmark_group("cells");
-    group.sample_size(10);
-    group.throughput(Throughput::Elements(cells.len() as u64));
-    for (name, columns) in [("203 features", freiburg203()), ("29 features", thirty), ("none", Vec::new())] {
-        for instructions in [Instructions::Widest, Instructions::Baseline] {
-            let job = Job {
-                grid: &grid,
-                cells: &cells,
-                columns: &columns,
-                config: &config,
-                progress: &Silent,
-                instructions,
-            };
-            group.bench_function(format!("{name}, {instructions:?}"), |bencher| {
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    for (number, width) in WIDTHS.into_iter().enumerate() {
+        let grid = office(width);
+        let graph = CellGraph::new(&grid.cells);
+        let caster = RayCaster::new(&grid, &config);
+        let blocks = Block::of_cells(graph.cells());
+        let mut ranges = BlockRanges::new();
+        group.throughput(Throughput::Elements((graph.n_nodes() * N_BEAMS) as u64));
+        for instructions in Instructions::ALL.into_iter().take(if number == 1 { 3 } else { 1 }) {
+            let id = BenchmarkId::new(format!("{instructions:?}"), graph.n_nodes());
+            group.bench_function(id, |bencher| {
                 bencher.iter(|| {
-                    one_thread.install(|| evaluate(&job, 1, |values, out| out.fill(values.n_cells())))
+                    for block in &blocks {
+                        caster.cast_block(block, instructions, &mut ranges);
+                    }
                 });
             });
         }
-    }
-    let few: Vec<Cell> = cells.iter().copied().step_by(500).collect();
-    let scans: Vec<_> = few.iter().map(|&cell| scan::cast(&grid, cell, &config)).collect();
-    let columns = freiburg203();
-    group.throughput(Throughput::Elements(few.len() as u64));
-    group.bench_function("203 plain formulas, without casting", |bencher| {
-        bencher.iter(|| {
-            let values = scans
-                .iter()
-                .flat_map(|scan| columns.iter().map(|id| plain_feature(id.feature(), scan.ranges_m())));
-            values.sum::<f64>()
+        let few = some(&graph, 100);
+        group.throughput(Throughput::Elements((few.len() * N_BEAMS) as u64));
+        group.bench_function(BenchmarkId::new("traversal", graph.n_nodes()), |bencher| {
+            bencher.iter(|| few.iter().map(|&cell| traverse(&grid, cell, &config)[17]).sum::<f64>());
         });
-    });
-    group.bench_function("203 features of single scans", |bencher| {
-        bencher.iter(|| scans.iter().map(|scan| of_scan(scan, &columns)[0]).sum::<f32>());
-    });
+    }
     group.finish();
 }
 
-criterion_group!(benches, casting, measuring);
+/// About so many cells, spread over the map.
+fn some(graph: &CellGraph, n: usize) -> Vec<Cell> {
+    graph.cells().iter().copied().step_by(graph.n_nodes().div_ceil(n)).collect()
+}
+
+fn measuring(criterion: &mut Criterion) {
+    let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    for (name, columns) in
+        [("203 features", freiburg203()), ("all features", all()), ("default model", default_columns())]
+    {
+        let mut group = criterion.benchmark_group(name);
+        group.sample_size(10).sampling_mode(SamplingMode::Flat);
+        for (number, width) in WIDTHS.into_iter().enumerate() {
+            if number != 1 && name != "203 features" {
+                continue;
+            }
+            let grid = office(width);
+            let graph = CellGraph::new(&grid.cells);
+            group.throughput(Throughput::Elements(graph.n_nodes() as u64));
+            for instructions in Instructions::ALL.into_iter().take(if number == 1 { 3 } else { 1 }) {
+                let id = BenchmarkId::new(format!("{instructions:?}"), graph.n_nodes());
+                group.bench_function(id, |bencher| {
+                    bencher.iter(|| {
+                        one_thread.install(|| measure(&grid, graph.cells(), &columns, instructions))
+                    });
+                });
+            }
+            if number == 1 {
+                let few = some(&graph, 20);
+                let scans: Vec<_> =
+                    few.iter().map(|&cell| scan::cast(&grid, cell, &ScanConfig::default())).collect();
+                group.throughput(Throughput::Elements(few.len() as u64));
+                group.bench_function(BenchmarkId::new("plain formulas", graph.n_nodes()), |bencher| {
+                    bencher.iter(|| {
+                        let values = scans.iter().flat_map(|scan| {
+                            columns.iter().map(|id| plain_feature(id.feature(), scan.ranges_m()))
+                        });
+                        values.sum::<f64>()
+                    });
+                });
+                group.bench_function(BenchmarkId::new("of single scans", graph.n_nodes()), |bencher| {
+                    bencher.iter(|| scans.iter().map(|scan| of_scan(scan, &columns)[0]).sum::<f32>());
+                });
+            }
+        }
+        group.finish();
+    }
+}
+
+/// Scans and features of `cells`.
+fn measure(
+    grid: &OccupancyGrid,
+    cells: &[Cell],
+    columns: &[FeatureId],
+    instructions: Instructions,
+) -> Vec<usize> {
+    let (config, progress) = (&ScanConfig::default(), &Silent);
+    let job = Job { grid, cells, columns, config, progress, instructions };
+    evaluate(&job, 1, |values, out| out.fill(values.n_cells()))
+}
+
+/// The features that the program's own model looks at.
+fn default_columns() -> Vec<FeatureId> {
+    let model = Model::from_json(include_bytes!("../../placegraph-cli/assets/default.model.json")).unwrap();
+    let Method::Boosted(boosted) = &model.method else { return Vec::new() };
+    let stumps = boosted.list.classifiers.iter().flat_map(|classifier| &classifier.stumps);
+    let mut columns: Vec<_> = stumps.map(|weighted| weighted.stump.feature).collect();
+    columns.sort_unstable();
+    columns.dedup();
+    columns
+}
+
+criterion_group!(benches, limits::limits, casting, measuring);
 criterion_main!(benches);

@@ -1,4 +1,4 @@
-//! Time of the learning half: boosting, scores of many cells, order search, relaxation.
+//! Time of the learning half: boosting, scores of many cells, order search.
 //!
 //! `cargo bench -p placegraph --bench learn`
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
@@ -8,10 +8,8 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use placegraph::boost::{CompiledClassifiers, Scores, adaboost, search_order, table_scores};
 use placegraph::features::{FeatureId, FeatureTable};
-use placegraph::grid::{CellGraph, Grid, Occupancy};
-use placegraph::labels::{Label, LabelField};
+use placegraph::labels::Label;
 use placegraph::progress::Silent;
-use placegraph::relax::{Compatibility, RelaxConfig, relax};
 use placegraph_testkit::boost::{largest_edge_by_sorting, sorted_columns};
 
 /// Cells of the left half of a building at 5 cm.
@@ -81,25 +79,5 @@ fn boosting(c: &mut Criterion) {
     group.finish();
 }
 
-fn relaxation(c: &mut Criterion) {
-    let map = Grid::filled(1000, 1000, Occupancy::Free);
-    let graph = CellGraph::new(&map);
-    let values = noise(2_000_000, 1);
-    let row = |pair: &[f32]| {
-        let (a, b) = (pair[0].min(pair[1]), pair[0].max(pair[1]));
-        [a, b - a, 1.0 - b]
-    };
-    let initial = LabelField::from_rows(3, values.chunks_exact(2).flat_map(row).collect());
-    let r = |k: usize, j: usize| if k == j { 0.9 } else { -0.6 };
-    let rows = (0..4).map(|k| (0..4).map(|j| r(k, j)).collect()).collect();
-    let compatibility = Compatibility::from_rows(rows).unwrap();
-    let mut group = c.benchmark_group("relax");
-    group.sample_size(10);
-    group.bench_function("50 iterations, 1M cells, 3 classes and wall", |b| {
-        b.iter(|| relax(&graph, &initial, &compatibility, &RelaxConfig::default()));
-    });
-    group.finish();
-}
-
-criterion_group!(benches, boosting, relaxation);
+criterion_group!(benches, boosting);
 criterion_main!(benches);

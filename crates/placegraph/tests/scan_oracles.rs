@@ -35,16 +35,16 @@ fn walk(
 
 /// All ways to cast agree on `cells`, to the last bit.
 fn assert_equal_scans(grid: &OccupancyGrid, cells: &[Cell], config: &ScanConfig) {
-    let wide = walk(grid, cells, config, Instructions::Widest);
-    let plain = walk(grid, cells, config, Instructions::Baseline);
+    let walks = Instructions::ALL.map(|instructions| walk(grid, cells, config, instructions));
     let max_speck = (config.max_speck_m / grid.frame.resolution_m()).round() as u32;
     let cleared = OccupancyGrid { frame: grid.frame, cells: Obstacles::of(&grid.cells).cleared(max_speck) };
     for (i, &cell) in cells.iter().enumerate() {
         let expected = traverse(&cleared, cell, config);
         assert_eq!(scan::cast(grid, cell, config).ranges_m(), expected, "single scan of {cell:?}");
         let expected: Vec<f32> = expected.into_iter().map(|range| range as f32).collect();
-        assert_eq!(wide[i], expected, "walk of {cell:?}");
-        assert_eq!(plain[i], expected, "plain walk of {cell:?}");
+        for (walk, instructions) in walks.iter().zip(Instructions::ALL) {
+            assert_eq!(walk[i], expected, "walk of {cell:?}, {instructions:?}");
+        }
     }
 }
 

@@ -10,6 +10,7 @@ import time
 
 import maxflow
 import numpy as np
+from record import record
 
 
 def hash64(index):
@@ -98,6 +99,9 @@ def main():
                     start = time.process_time()
                     labels, inside = expand(theta, reward, connectivity)
                     best = min(best, (time.process_time() - start, inside))
+                name = f"{'Four' if connectivity == 4 else 'Eight'}, reward {reward:g}"
+                for part, seconds in (("", best[0]), (", max-flow alone", best[1])):
+                    record(f"alpha-expansion, {name}", f"PyMaxflow {maxflow.__version__}{part}", side * side, seconds)
                 print(f"{side}x{side} {connectivity}-connected reward {reward:g}: score "
                       f"{score(theta, reward, labels, connectivity):.0f}  total {best[0]:.3f} s  "
                       f"max-flow {best[1]:.3f} s", end="")

@@ -1,4 +1,4 @@
-"""LightGBM with stumps on the examples of benches/learn.rs: one tree of two leaves per class and round.
+"""LightGBM and scikit-learn with stumps on the examples of benches/learn.rs: one tree of two leaves per class and round.
 
     PLACEGRAPH_DUMP=folder cargo bench -p placegraph --bench learn -- boost
     python boosting.py folder [rounds]
@@ -13,6 +13,9 @@ from pathlib import Path
 
 import lightgbm
 import numpy as np
+import sklearn
+from record import record
+from sklearn.ensemble import HistGradientBoostingClassifier
 
 
 def main():
@@ -34,7 +37,15 @@ def main():
                 binned = time.process_time()
                 lightgbm.train(parameters, data, rounds)
                 best, binning = min(best, time.process_time() - binned), min(binning, binned - start)
+            record("boosting", f"LightGBM {lightgbm.__version__}, {max_bin} bins", len(labels), best + binning)
             print(f"  {max_bin} bins: {best:.2f} s, binning {binning:.2f} s", flush=True)
+        stumps = HistGradientBoostingClassifier(max_iter=rounds, max_leaf_nodes=2, learning_rate=0.5, min_samples_leaf=1,
+                                                early_stopping=False)
+        start = time.process_time()
+        stumps.fit(values, labels)
+        seconds = time.process_time() - start
+        record("boosting", f"scikit-learn {sklearn.__version__}, 255 bins", len(labels), seconds)
+        print(f"scikit-learn {sklearn.__version__}, 255 bins: {seconds:.2f} s, all threads together", flush=True)
 
 
 if __name__ == "__main__":

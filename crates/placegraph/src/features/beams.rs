@@ -5,7 +5,7 @@
 //! A stump cannot tell any of these from the printed form, except the first, which the author's program has.
 
 use super::families::Measure as M;
-use super::lanes::{Lanes, Singles, TINY, beams, mean_and_sd, sum};
+use super::lanes::{Lanes, Singles, TINY, beams, mean, mean_and_sd, sum};
 use super::values::{Ranges, Values};
 use crate::scan::N_BEAMS;
 
@@ -32,28 +32,48 @@ pub(super) fn differences(d: &Ranges, values: &mut Values) {
     values.set(M::SdDifference, sd);
 }
 
-/// A3 and A4.
+/// A3, and A4 if `with_sd`.
 #[inline(always)]
-pub(super) fn clipped_differences(d: &Ranges, values: &mut Values) {
+pub(super) fn clipped_differences(d: &Ranges, with_sd: bool, values: &mut Values) {
     let longest = d.iter().fold(Lanes::all(0.0), |a, &b| a.max(b)).largest();
     let mut uncut = None;
+    let mut differences = [Lanes::all(0.0); N_BEAMS];
     for member in 0..N_CLIPS {
-        let limit = Lanes::all((member + 1) as f32);
+        let limit = (member + 1) as f32;
         // Nothing is cut from here on: the same values again.
-        let (mean, sd) = match uncut {
-            Some(known) => known,
-            None => mean_and_sd(
-                N_BEAMS,
-                #[inline(always)]
-                |i| (d[i].min(limit) - d[i + 1].min(limit)).abs(),
-            ),
-        };
-        if limit.0[0] >= longest {
+        let (mean, sd) = uncut.unwrap_or_else(
+            #[inline(always)]
+            || {
+                let limit = Lanes::all(limit);
+                if !with_sd {
+                    let mean = mean(
+                        N_BEAMS,
+                        #[inline(always)]
+                        |i| clipped_difference(d, limit, i),
+                    );
+                    return (mean, Lanes::all(0.0));
+                }
+                for i in beams(N_BEAMS, 1) {
+                    differences[i] = clipped_difference(d, limit, i);
+                }
+                mean_and_sd(
+                    N_BEAMS,
+                    #[inline(always)]
+                    |i| differences[i],
+                )
+            },
+        );
+        if limit >= longest {
             uncut = Some((mean, sd));
         }
         values.set_member(M::MeanClippedDifference, member, mean);
         values.set_member(M::SdClippedDifference, member, sd);
     }
+}
+
+#[inline(always)]
+fn clipped_difference(d: &Ranges, limit: Singles, i: usize) -> Singles {
+    (d[i].min(limit) - d[i + 1].min(limit)).abs()
 }
 
 /// A5, A6, A13, A14 and A16.

@@ -9,7 +9,7 @@
 //! Harmonics are written k = 11 a ± b, b ≤ 5: with z_a = (u_{j−1} − u_j) exp(−11 i a θ_j), the four real sums
 //! of z_a's components times cos bθ_j and sin bθ_j give S_{11a+b} and S_{11a−b} together. That is half the
 //! work of a recurrence over k, and products of powers lose fewer digits. Cost: 4 · 360 operations per
-//! harmonic, up to the row of the largest one asked for.
+//! harmonic that is asked for, and 6 · 360 per row up to that of the largest.
 
 use super::families::{MAX_HARMONIC, Measure as M};
 use super::lanes::{Doubles, Lanes, Singles, TINY, WIDTH, beams};
@@ -43,16 +43,40 @@ const ZERO: Singles = Lanes([0.0; WIDTH]);
 /// cos bθ and sin bθ, b = 1 … 5.
 type Powers = [[Singles; 2]; B];
 
-/// B6 up to harmonic `k_max` at least, and B7 to B9.
+/// The harmonics of B6 that are asked for, and which sums they need.
+pub(super) struct Harmonics {
+    of_b6: Vec<usize>,
+    /// For every row, whether its sums for b = 0 … 5 are needed.
+    rows: Vec<[bool; B + 1]>,
+}
+
+impl Harmonics {
+    pub(super) fn new(of_b6: Vec<usize>) -> Self {
+        let n_rows = of_b6.iter().map(|&k| row_of(k) + 1).max().unwrap_or(1);
+        let mut rows = vec![[false; B + 1]; n_rows];
+        for k in of_b6.iter().copied().chain([1]) {
+            let (row, b) = position_of(k);
+            rows[row][b.unsigned_abs()] = true;
+        }
+        Self { of_b6, rows }
+    }
+}
+
+/// The row and b of harmonic `k` = 11 row + b.
+fn position_of(k: usize) -> (usize, isize) {
+    (row_of(k), (k + B) as isize % ROW as isize - B as isize)
+}
+
+/// B6 of `harmonics`, and B7 to B9.
 #[inline(always)]
 pub(super) fn fourier(
     d: &Ranges,
     directions: &Directions,
     outline: &Outline,
-    k_max: usize,
+    harmonics: &Harmonics,
     values: &mut Values,
 ) {
-    let sums = row_sums(d, directions, outline, row_of(k_max) + 1);
+    let sums = row_sums(d, directions, outline, &harmonics.rows);
     let (first, before) = sums[0].at(1);
     let scale = outline.perimeter * (1.0 / (4.0 * std::f32::consts::PI * std::f32::consts::PI));
     let (c1, c_1) = (first * scale, before * scale);
@@ -66,9 +90,10 @@ pub(super) fn fourier(
     set(M::DescriptorMajorAxis, 0, one + q);
     set(M::DescriptorMinorAxis, 0, (one - q).abs());
     set(M::DescriptorAxisRatio, 0, (one - q).abs() / (one + q));
-    for k in 2..=k_max {
-        let (row, b) = (row_of(k), (k + B) % ROW);
-        let magnitude = if b >= B { sums[row].at(b - B).0 } else { sums[row].at(B - b).1 };
+    for &k in &harmonics.of_b6 {
+        let (row, b) = position_of(k);
+        let (after, before) = sums[row].at(b.unsigned_abs());
+        let magnitude = if b >= 0 { after } else { before };
         let ratio = magnitude / (first + Lanes::all(TINY)) * (1.0 / (k * k) as f32);
         set(M::Fourier, k - 2, ratio);
     }
@@ -92,42 +117,89 @@ impl Row {
 
     /// Adds vertices with weights `z`, and turns the weights into those of the next row.
     #[inline(always)]
-    fn add(&mut self, z: &mut [[Singles; 2]; CHUNK], powers: &[Powers; CHUNK], step: &[[Singles; 2]; CHUNK]) {
-        let mut sums = *self;
-        for i in beams(CHUNK, 1) {
-            let (z, powers, step) = (&mut z[i], &powers[i], &step[i]);
-            sums.constant[0] += z[0];
-            sums.constant[1] += z[1];
-            for (sums, [cos, sin]) in sums.products.iter_mut().zip(powers) {
-                sums[0] += z[0] * *cos;
-                sums[1] += z[1] * *cos;
-                sums[2] += z[0] * *sin;
-                sums[3] += z[1] * *sin;
+    fn add(
+        &mut self,
+        z: &mut [[Singles; 2]; CHUNK],
+        powers: &[Powers; CHUNK],
+        step: &[[Singles; 2]; CHUNK],
+        needed: [bool; B + 1],
+    ) {
+        let n_needed = needed[1..].iter().filter(|&&needed| needed).count();
+        if n_needed > 3 {
+            // All sums at once: each vertex is fetched once.
+            let mut sums = *self;
+            for i in beams(CHUNK, 1) {
+                let (z, powers, step) = (&mut z[i], &powers[i], &step[i]);
+                add_to(&mut sums.constant, z);
+                for (sums, power) in sums.products.iter_mut().zip(powers) {
+                    add_products(sums, z, power);
+                }
+                *z = product(*z, *step);
             }
-            *z = product(*z, *step);
+            *self = sums;
+            return;
         }
-        *self = sums;
+        if needed[0] {
+            let mut sums = self.constant;
+            for i in beams(CHUNK, 1) {
+                add_to(&mut sums, &z[i]);
+            }
+            self.constant = sums;
+        }
+        for b in (0..B).filter(|&b| needed[b + 1]) {
+            let mut sums = self.products[b];
+            for i in beams(CHUNK, 1) {
+                add_products(&mut sums, &z[i], &powers[i][b]);
+            }
+            self.products[b] = sums;
+        }
+        for i in beams(CHUNK, 1) {
+            z[i] = product(z[i], step[i]);
+        }
     }
 }
 
 #[inline(always)]
-fn row_sums(d: &Ranges, directions: &Directions, outline: &Outline, n_rows: usize) -> [Row; N_ROWS] {
+fn add_to(sums: &mut [Singles; 2], z: &[Singles; 2]) {
+    sums[0] += z[0];
+    sums[1] += z[1];
+}
+
+#[inline(always)]
+fn add_products(sums: &mut [Singles; 4], z: &[Singles; 2], [cos, sin]: &[Singles; 2]) {
+    sums[0] += z[0] * *cos;
+    sums[1] += z[1] * *cos;
+    sums[2] += z[0] * *sin;
+    sums[3] += z[1] * *sin;
+}
+
+#[inline(always)]
+fn row_sums(
+    d: &Ranges,
+    directions: &Directions,
+    outline: &Outline,
+    needed: &[[bool; B + 1]],
+) -> [Row; N_ROWS] {
     let mut sums = [Row::ZERO; N_ROWS];
     let mut arc: Doubles = Lanes::all(0.0);
     let turns_per_meter = Lanes::all(1.0)
         / outline.edges.iter().fold(Lanes::all(1e-300), |length, edge| length + edge.double());
     let mut u_before = direction(d, directions, outline, N_BEAMS - 1);
+    let mut z = [[ZERO; 2]; CHUNK];
+    let mut turns = [ZERO; CHUNK];
+    let mut powers = [[[ZERO; 2]; B]; CHUNK];
+    let mut row_step = [[ZERO; 2]; CHUNK];
     for start in (0..N_BEAMS).step_by(CHUNK) {
-        let mut z = [[ZERO; 2]; CHUNK];
-        let mut powers = [[[ZERO; 2]; B]; CHUNK];
-        let mut row_step = [[ZERO; 2]; CHUNK];
+        // Short loops, so that the processor works on several turns of them at once.
         for i in beams(CHUNK, 1) {
-            let vertex = start + i;
-            let u = direction(d, directions, outline, vertex);
-            z[i] = [u_before[0] - u[0], u_before[1] - u[1]];
-            u_before = u;
-            let one = cos_sin((arc * turns_per_meter).single());
-            arc += outline.edges[vertex].double();
+            turns[i] = (arc * turns_per_meter).single();
+            arc += outline.edges[start + i].double();
+        }
+        for i in beams(CHUNK, 1) {
+            powers[i][0] = cos_sin(turns[i]);
+        }
+        for i in beams(CHUNK, 1) {
+            let one = powers[i][0];
             let two = product(one, one);
             let three = product(two, one);
             let five = product(three, two);
@@ -135,8 +207,13 @@ fn row_sums(d: &Ranges, directions: &Directions, outline: &Outline, n_rows: usiz
             let eleven = product(product(five, five), one);
             row_step[i] = [eleven[0], -eleven[1]];
         }
-        for sums in &mut sums[..n_rows] {
-            sums.add(&mut z, &powers, &row_step);
+        for i in beams(CHUNK, 1) {
+            let u = direction(d, directions, outline, start + i);
+            z[i] = [u_before[0] - u[0], u_before[1] - u[1]];
+            u_before = u;
+        }
+        for (sums, &needed) in sums.iter_mut().zip(needed) {
+            sums.add(&mut z, &powers, &row_step, needed);
         }
     }
     sums

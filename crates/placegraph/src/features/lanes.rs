@@ -176,6 +176,20 @@ pub(super) fn beams(end: usize, step: usize) -> impl Iterator<Item = usize> {
     (0..end).step_by(step).map(black_box)
 }
 
+/// The values of one lane.
+///
+/// One after the other: the compiler would gather them, which takes several times as long.
+#[inline(always)]
+pub(super) fn of_lane(lane: usize, from: &[Singles], to: &mut [f32]) {
+    const TOGETHER: usize = 8;
+    let (chunks, to_chunks) = (from.as_chunks::<TOGETHER>().0, to.as_chunks_mut::<TOGETHER>().0);
+    for chunk in beams(chunks.len(), 1) {
+        for (to, from) in to_chunks[chunk].iter_mut().zip(&chunks[chunk]) {
+            *to = from.0[lane];
+        }
+    }
+}
+
 /// Σ f(i) over `n` (a multiple of 4), in four interleaved sums: faster, and rounds less than one.
 #[inline(always)]
 pub(super) fn sum<T>(n: usize, f: impl Fn(usize) -> Lanes<T>) -> Lanes<T>
@@ -191,18 +205,22 @@ where
     (sums[0] + sums[1]) + (sums[2] + sums[3])
 }
 
-/// Mean and population standard deviation of f(i) over `n` (a multiple of 4).
-///
-/// Two passes, the first relative to f(0): equal values have exactly their mean, and deviation 0.
+/// Mean of f(i) over `n` (a multiple of 4), relative to f(0): equal values have exactly their mean.
 #[inline(always)]
-pub(super) fn mean_and_sd(n: usize, f: impl Fn(usize) -> Singles) -> (Singles, Singles) {
+pub(super) fn mean(n: usize, f: impl Fn(usize) -> Singles) -> Singles {
     let first = f(0);
     let from_first = sum(
         n,
         #[inline(always)]
         |i| f(i) - first,
     );
-    let mean = first + from_first * (1.0 / n as f32);
+    first + from_first * (1.0 / n as f32)
+}
+
+/// Mean and population standard deviation of f(i) over `n` (a multiple of 4); equal values have deviation 0.
+#[inline(always)]
+pub(super) fn mean_and_sd(n: usize, f: impl Fn(usize) -> Singles) -> (Singles, Singles) {
+    let mean = mean(n, &f);
     let variance = sum(
         n,
         #[inline(always)]

@@ -7,27 +7,67 @@
 
 use super::families::Measure as M;
 use super::lanes::{Lanes, Singles, WIDTH};
+use super::moments::Along;
 use super::values::{Ranges, Values};
 use crate::scan::N_BEAMS;
 
 /// Rise on both sides of a minimum, in meters: two cells of 5 cm (δ of the book, for which no value is known).
 const PROMINENCE_M: f32 = 0.1;
 
+/// Beams that are turned together.
+const TOGETHER: usize = 8;
+/// A turn in half beams.
+const TURN: u32 = 2 * N_BEAMS as u32;
+/// Most minima of a scan: between two of them a beam is longer.
+const MAX_MINIMA: usize = N_BEAMS / 2;
+
 /// A local minimum: its range, and twice its position in beams.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Minimum {
     range: f32,
-    half_beams: usize,
+    half_beams: u32,
+}
+
+/// The minima of every scan that may be one of the two deepest; after them there is room for one more.
+struct Found {
+    minima: [[Minimum; MAX_MINIMA + 1]; WIDTH],
+    n: [usize; WIDTH],
+}
+
+impl Found {
+    /// Adds a minimum of every scan where it is new.
+    #[inline(never)]
+    fn add(
+        &mut self,
+        range: &Singles,
+        starts: &[u32; WIDTH],
+        first: &[u32; WIDTH],
+        last: &[u32; WIDTH],
+        is_new: &Lanes<u32>,
+    ) {
+        for lane in 0..WIDTH {
+            let half_beams = 2 * starts[lane] + first[lane] + last[lane];
+            let half_beams = if half_beams < TURN { half_beams } else { half_beams - TURN };
+            // Written in any case, kept if new: without a branch.
+            self.minima[lane][self.n[lane]] = Minimum { range: range.0[lane], half_beams };
+            self.n[lane] += is_new.0[lane] as usize;
+        }
+    }
+
+    fn of_lane(&self, lane: usize) -> &[Minimum] {
+        &self.minima[lane][..self.n[lane]]
+    }
 }
 
 /// A9 and A10.
 #[inline(always)]
-pub(super) fn minima(d: &Ranges, along: &[(f64, f64); N_BEAMS], values: &mut Values) {
+pub(super) fn minima(d: &Ranges, along: &Along, values: &mut Values) {
     let (mut distance, mut angle): (Singles, Singles) = (Lanes::all(0.0), Lanes::all(0.0));
-    for (lane, found) in local_minima(d).iter().enumerate() {
-        if let Some((one, other)) = two_deepest(found) {
-            let point = |half_beams| end_point(d, lane, along, half_beams);
-            let (p, q) = (point(one.half_beams), point(other.half_beams));
+    let found = deepest_minima(d);
+    for lane in 0..WIDTH {
+        if let Some((one, other)) = two_deepest(found.of_lane(lane)) {
+            let point = |minimum: Minimum| end_point(d, lane, along, minimum.half_beams as usize);
+            let (p, q) = (point(one), point(other));
             distance.0[lane] = (p.0 - q.0).hypot(p.1 - q.1) as f32;
             angle.0[lane] = apart(one, other) as f32 * (180.0 / N_BEAMS as f32);
         }
@@ -36,40 +76,47 @@ pub(super) fn minima(d: &Ranges, along: &[(f64, f64); N_BEAMS], values: &mut Val
     values.set(M::MinimaAngle, angle);
 }
 
-/// The minima of every circular scan that rise by the prominence on both sides.
+/// The minima of every circular scan that rise by the prominence on both sides, without those that are higher than two
+/// before them.
 ///
 /// Goes around once from the longest beam, and in turn follows a descent until it has risen by the prominence from its
 /// lowest beam, and a rise until it has fallen by the prominence from its highest. All scans take a step together.
 #[inline(always)]
-fn local_minima(d: &Ranges) -> [Vec<Minimum>; WIDTH] {
-    let mut found: [Vec<Minimum>; WIDTH] = std::array::from_fn(|_| Vec::new());
+fn deepest_minima(d: &Ranges) -> Found {
+    let mut found = Found { minima: [[Minimum::default(); MAX_MINIMA + 1]; WIDTH], n: [0; WIDTH] };
     let (mut highest, starts) = longest(d);
-    let turned = from_starts(d, &starts);
     let mut lowest = Lanes::all(f32::INFINITY);
-    let mut first = [0u32; WIDTH];
-    let mut last = [0u32; WIDTH];
-    let mut descending = [0u32; WIDTH];
-    for (step, ranges) in turned.iter().enumerate() {
-        let mut risen = [0u32; WIDTH];
-        for lane in 0..WIDTH {
-            let (range, descended) = (ranges.0[lane], descending[lane] != 0);
-            let high = if !descended && range > highest.0[lane] { range } else { highest.0[lane] };
-            let descends = descended || range <= high - PROMINENCE_M;
-            let low = if descended { lowest.0[lane] } else { f32::INFINITY };
-            let lower = descends && range < low;
-            let low = if lower { range } else { low };
-            let rises = descends && range >= low + PROMINENCE_M;
-            first[lane] = if lower { step as u32 } else { first[lane] };
-            last[lane] = if descends && range <= low { step as u32 } else { last[lane] };
-            lowest.0[lane] = low;
-            highest.0[lane] = if rises { range } else { high };
-            risen[lane] = u32::from(rises);
-            descending[lane] = u32::from(descends && !rises);
-        }
-        if risen.iter().fold(0, |any, risen| any | risen) != 0 {
-            for lane in (0..WIDTH).filter(|&lane| risen[lane] != 0) {
-                let half_beams = (2 * starts[lane] + first[lane] + last[lane]) as usize % (2 * N_BEAMS);
-                found[lane].push(Minimum { range: lowest.0[lane], half_beams });
+    let (mut first, mut last, mut descending) = ([0u32; WIDTH], [0u32; WIDTH], [0u32; WIDTH]);
+    // The two deepest so far.
+    let (mut deepest, mut next) = (Lanes::all(f32::INFINITY), Lanes::all(f32::INFINITY));
+    // Once around, and the start again.
+    for begin in (0..=N_BEAMS).step_by(TOGETHER) {
+        let turned = from_starts(d, &starts, begin);
+        for (ranges, step) in turned.iter().zip(begin..=N_BEAMS) {
+            let mut minimum = Lanes::all(f32::INFINITY);
+            for lane in 0..WIDTH {
+                let (range, descended) = (ranges.0[lane], descending[lane] != 0);
+                let high = if !descended && range > highest.0[lane] { range } else { highest.0[lane] };
+                let descends = descended || range <= high - PROMINENCE_M;
+                let low = if descended { lowest.0[lane] } else { f32::INFINITY };
+                let lower = descends && range < low;
+                let low = if lower { range } else { low };
+                let rises = descends && range >= low + PROMINENCE_M;
+                first[lane] = if lower { step as u32 } else { first[lane] };
+                last[lane] = if descends && range <= low { step as u32 } else { last[lane] };
+                lowest.0[lane] = low;
+                highest.0[lane] = if rises { range } else { high };
+                minimum.0[lane] = if rises { low } else { f32::INFINITY };
+                descending[lane] = u32::from(descends && !rises);
+            }
+            let is_new =
+                minimum.zip(next, |minimum, next| u32::from(minimum <= next && minimum < f32::INFINITY));
+            next = next.min(deepest.max(minimum));
+            deepest = deepest.min(minimum);
+            if is_new.0.iter().fold(0, |any, is_new| any | is_new) != 0 {
+                // Copies, so that what the loop works on stays in registers.
+                let (minimum, first, last) = (minimum, first, last);
+                found.add(&minimum, &starts, &first, &last, &is_new);
             }
         }
     }
@@ -90,16 +137,21 @@ fn longest(d: &Ranges) -> (Singles, [u32; WIDTH]) {
     (longest, beams)
 }
 
-/// Every scan turned to begin, and end, with its start.
+/// Some beams of every scan, from beam number `begin` after its start on.
 #[inline(always)]
-fn from_starts(d: &Ranges, starts: &[u32; WIDTH]) -> Ranges {
-    let mut turned = [Lanes::all(0.0); N_BEAMS + 1];
+fn from_starts(d: &Ranges, starts: &[u32; WIDTH], begin: usize) -> [Singles; TOGETHER] {
+    let mut turned = [Lanes::all(0.0); TOGETHER];
     for lane in 0..WIDTH {
-        let (before, after) = d[..N_BEAMS].split_at(starts[lane] as usize);
-        let (first, last) = turned.split_at_mut(after.len());
-        first.iter_mut().zip(after).for_each(|(turned, ranges)| turned.0[lane] = ranges.0[lane]);
-        last.iter_mut().zip(before).for_each(|(turned, ranges)| turned.0[lane] = ranges.0[lane]);
-        turned[N_BEAMS].0[lane] = turned[0].0[lane];
+        let first = (starts[lane] as usize + begin) % N_BEAMS;
+        if let Some(ranges) = d[first..].first_chunk::<TOGETHER>() {
+            for (turned, ranges) in turned.iter_mut().zip(ranges) {
+                turned.0[lane] = ranges.0[lane];
+            }
+        } else {
+            for (turned, beam) in turned.iter_mut().zip(first..) {
+                turned.0[lane] = d[beam % N_BEAMS].0[lane];
+            }
+        }
     }
     turned
 }
@@ -125,16 +177,17 @@ fn two_deepest(minima: &[Minimum]) -> Option<(Minimum, Minimum)> {
 }
 
 /// Angle between two minima, in half beams, at most half a turn.
-fn apart(one: Minimum, other: Minimum) -> usize {
+fn apart(one: Minimum, other: Minimum) -> u32 {
     let steps = one.half_beams.abs_diff(other.half_beams);
-    steps.min(2 * N_BEAMS - steps)
+    steps.min(TURN - steps)
 }
 
 /// The end point of a beam, or half way between those of two neighbors; in meters from the robot.
-fn end_point(d: &Ranges, lane: usize, along: &[(f64, f64); N_BEAMS], half_beams: usize) -> (f64, f64) {
+fn end_point(d: &Ranges, lane: usize, along: &Along, half_beams: usize) -> (f64, f64) {
     let point = |beam: usize| {
-        let (direction, range) = (along[beam % N_BEAMS], f64::from(d[beam % N_BEAMS].0[lane]));
-        (direction.0 * range, direction.1 * range)
+        let beam = beam % N_BEAMS;
+        let range = f64::from(d[beam].0[lane]);
+        (along.x[beam] * range, along.y[beam] * range)
     };
     let (p, q) = (point(half_beams / 2), point(half_beams.div_ceil(2)));
     (0.5 * (p.0 + q.0), 0.5 * (p.1 + q.1))
@@ -151,7 +204,7 @@ mod tests {
             d[beam].0[3] = range;
         }
         d[N_BEAMS] = d[0];
-        local_minima(&d)[3].clone()
+        deepest_minima(&d).of_lane(3).to_vec()
     }
 
     #[test]

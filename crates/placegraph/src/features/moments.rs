@@ -18,24 +18,33 @@ const PHI_MIN: f64 = 1e-40;
 const N: f64 = N_BEAMS as f64;
 
 /// Directions of the beams.
-pub(super) fn directions() -> [(f64, f64); N_BEAMS] {
-    std::array::from_fn(|beam| (beam_direction(beam).x, beam_direction(beam).y))
+pub(super) struct Along {
+    pub(super) x: [f64; N_BEAMS],
+    pub(super) y: [f64; N_BEAMS],
+}
+
+impl Along {
+    pub(super) fn new() -> Self {
+        Self {
+            x: std::array::from_fn(|beam| beam_direction(beam).x),
+            y: std::array::from_fn(|beam| beam_direction(beam).y),
+        }
+    }
 }
 
 /// B10, B11 and B12.
 #[inline(always)]
-pub(super) fn moments(d: &Ranges, along: &[(f64, f64); N_BEAMS], outline: &Outline, values: &mut Values) {
+pub(super) fn moments(d: &Ranges, along: &Along, outline: &Outline, values: &mut Values) {
     let [mut sum_x, mut sum_y] = [Lanes::all(0.0); 2];
     for beam in beams(N_BEAMS, 1) {
-        let (d, along) = (d[beam], along[beam]);
-        sum_x += d.double() * along.0;
-        sum_y += d.double() * along.1;
+        sum_x += d[beam].double() * along.x[beam];
+        sum_y += d[beam].double() * along.y[beam];
     }
     let (mean_x, mean_y) = (sum_x * (1.0 / N), sum_y * (1.0 / N));
     let [mut m20, mut m11, mut m02, mut m30, mut m21, mut m12, mut m03] = [Lanes::all(0.0); 7];
     for beam in beams(N_BEAMS, 1) {
-        let (d, along) = (d[beam], along[beam]);
-        let (x, y) = (d.double() * along.0 - mean_x, d.double() * along.1 - mean_y);
+        let d = d[beam].double();
+        let (x, y) = (d * along.x[beam] - mean_x, d * along.y[beam] - mean_y);
         let (xx, xy, yy) = (x * x, x * y, y * y);
         m20 += xx;
         m11 += xy;

@@ -3,13 +3,13 @@
 use super::FeatureId;
 use super::beams;
 use super::families::Measure as M;
-use super::fourier::fourier;
+use super::fourier::{Harmonics, fourier};
 use super::lines::lines;
 use super::minima::minima;
-use super::moments;
+use super::moments::{Along, moments};
 use super::polygon::{self, Directions, Outline};
 use super::values::{Ranges, Values};
-use crate::scan::{Instructions, N_BEAMS};
+use crate::scan::Instructions;
 
 /// Features that share their work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,26 +65,35 @@ impl Group {
 /// The groups that a list of features needs, and constants for computing them.
 pub(super) struct Plan {
     groups: Vec<Group>,
-    /// Largest harmonic of B6 asked for, or 1.
-    k_max: usize,
+    /// Whether A4 is asked for.
+    sd_of_clipped: bool,
+    harmonics: Harmonics,
     directions: Directions,
-    directions_f64: [(f64, f64); N_BEAMS],
+    along: Along,
 }
 
 impl Plan {
     pub(super) fn new(columns: &[FeatureId]) -> Self {
         let mut groups: Vec<Group> = Vec::new();
-        let mut k_max = 1;
+        let mut harmonics = Vec::new();
+        let mut sd_of_clipped = false;
         for feature in columns.iter().map(|id| id.feature()) {
             let group = Group::of(feature.measure);
             if !groups.contains(&group) {
                 groups.push(group);
             }
+            sd_of_clipped |= feature.measure == M::SdClippedDifference;
             if let (M::Fourier, Some(k)) = (feature.measure, feature.parameter) {
-                k_max = k_max.max(k as usize);
+                harmonics.push(k as usize);
             }
         }
-        Self { groups, k_max, directions: Directions::new(), directions_f64: moments::directions() }
+        Self {
+            groups,
+            sd_of_clipped,
+            harmonics: Harmonics::new(harmonics),
+            directions: Directions::new(),
+            along: Along::new(),
+        }
     }
 
     /// Computes the features of the cells with ranges `d`.
@@ -102,19 +111,21 @@ impl Plan {
         for group in &self.groups {
             match (group, &outline) {
                 (Group::Differences, _) => beams::differences(d, values),
-                (Group::ClippedDifferences, _) => beams::clipped_differences(d, values),
+                (Group::ClippedDifferences, _) => {
+                    beams::clipped_differences(d, self.sd_of_clipped, values);
+                }
                 (Group::Lengths, _) => beams::lengths(d, values),
                 (Group::Gaps, _) => beams::gaps(d, values),
-                (Group::Lines, _) => lines(d, &self.directions_f64, values),
-                (Group::Minima, _) => minima(d, &self.directions_f64, values),
+                (Group::Lines, _) => lines(d, &self.along, values),
+                (Group::Minima, _) => minima(d, &self.along, values),
                 (Group::Relations, _) => beams::relations(d, values),
                 (Group::Areas, Some(outline)) => polygon::areas(outline, values),
                 (Group::Radii, Some(outline)) => polygon::radii(d, &self.directions, outline, values),
                 (Group::Moments, Some(outline)) => {
-                    moments::moments(d, &self.directions_f64, outline, values);
+                    moments(d, &self.along, outline, values);
                 }
                 (Group::Fourier, Some(outline)) => {
-                    fourier(d, &self.directions, outline, self.k_max, values);
+                    fourier(d, &self.directions, outline, &self.harmonics, values);
                 }
                 (Group::Areas | Group::Radii | Group::Moments | Group::Fourier, None) => {}
             }

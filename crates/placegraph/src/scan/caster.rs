@@ -12,6 +12,10 @@ use super::walk::{LANES, MAX_STEPS, Path, count_steps};
 use super::{Block, Instructions, N_BEAMS, ScanConfig};
 use crate::grid::OccupancyGrid;
 
+/// Ranges from beam to beam in a [`BlockRanges`]: no power of 2, which would put the beams of a cell in the same few
+/// places of a cache.
+const STRIDE: usize = LANES + 16;
+
 /// Casts the beams of whole blocks of cells. Holds the map as bits and the paths of all directions.
 #[derive(Clone, Debug)]
 pub struct RayCaster {
@@ -32,7 +36,7 @@ impl BlockRanges {
     /// Room for the ranges of any block.
     #[expect(clippy::new_without_default, reason = "a buffer of 0.7 MB is made on purpose")]
     pub fn new() -> Self {
-        Self { ranges_m: vec![0.0; N_BEAMS * LANES], lanes: Vec::with_capacity(LANES) }
+        Self { ranges_m: vec![0.0; N_BEAMS * STRIDE], lanes: Vec::with_capacity(LANES) }
     }
 
     /// Number of cells of the block.
@@ -48,7 +52,7 @@ impl BlockRanges {
     /// The same, followed by the ranges of an earlier block, up to [`Block::MAX_CELLS`] ranges.
     #[inline(always)]
     pub(crate) fn padded_beam(&self, beam: usize) -> &[f32] {
-        &self.ranges_m[beam * LANES..][..LANES]
+        &self.ranges_m[beam * STRIDE..][..LANES]
     }
 }
 
@@ -100,10 +104,11 @@ impl RayCaster {
         let wanted = block.rows.map(|run| run.columns);
         for (beam, path) in self.paths.iter().enumerate() {
             let steps = count_steps(&self.obstacles, position, &wanted, path);
-            let table = &self.ranges_m[Octant::of(beam).beam];
-            let out = &mut ranges.ranges_m[beam * LANES..][..ranges.lanes.len()];
-            for (range, &lane) in out.iter_mut().zip(&ranges.lanes) {
-                *range = table[usize::from(steps[usize::from(lane)])];
+            let table = self.ranges_m[Octant::of(beam).beam].as_slice();
+            let lanes = ranges.lanes.as_slice();
+            let out = &mut ranges.ranges_m[beam * STRIDE..][..lanes.len()];
+            for (range, &lane) in out.iter_mut().zip(lanes) {
+                *range = table[usize::from(steps[usize::from(lane) % LANES])];
             }
         }
     }

@@ -1,25 +1,41 @@
 //! The choice of vector instructions at run time.
 
-/// Which vector instructions the engine uses. Both choices give the same bits: the code is the same, compiled
+/// Which vector instructions the engine uses. All choices give the same bits: the code is the same, compiled
 /// several times, and never fuses a multiplication with an addition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Instructions {
     /// The widest that this machine has.
     #[default]
     Widest,
-    /// Those that every machine of the target has; for tests.
+    /// Vectors of 256 bits (AVX2) where this machine has them, else [`Instructions::Baseline`]; for tests and benches.
+    Avx2,
+    /// Those that every machine of the target has; for tests and benches.
     Baseline,
 }
 
 impl Instructions {
+    /// Every choice.
+    pub const ALL: [Self; 3] = [Self::Widest, Self::Avx2, Self::Baseline];
+
     /// Runs `work`, compiled for these instructions as far as its calls are inlined: mark the closure
     /// `#[inline(always)]`.
     #[inline(always)]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
         let arch = match self {
             Self::Widest => pulp::Arch::new(),
+            Self::Avx2 => avx2(),
             Self::Baseline => pulp::Arch::Scalar,
         };
         arch.dispatch(work)
     }
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+fn avx2() -> pulp::Arch {
+    pulp::x86::V3::try_new().map_or(pulp::Arch::Scalar, pulp::Arch::V3)
+}
+
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64")))]
+fn avx2() -> pulp::Arch {
+    pulp::Arch::Scalar
 }

@@ -80,10 +80,14 @@ impl Obstacles {
 
     #[inline(always)]
     fn load(&self, start: usize) -> [u64; ROWS] {
-        let mut rows = [0; ROWS];
-        rows.copy_from_slice(&self.words[start..start + ROWS]);
+        let Some(&rows) = self.words[start..].first_chunk() else { outside() };
         rows
     }
+}
+
+#[cold]
+fn outside() -> ! {
+    panic!("a block lies in the map");
 }
 
 /// A displacement as words and bits. A bitmap below 2³¹ words (137 G cells) keeps it in 32 bits.

@@ -1,0 +1,299 @@
+"""Writes docs/performance.md, between its two marks, and its pictures from what was measured.
+
+    python3 crates/placegraph/benches/page.py --run     # all benches and runs of the program, then the page
+    python3 crates/placegraph/benches/page.py           # the page from what is there
+
+Nothing but Python 3 is needed. The best of all samples counts: others may use the machine. The figures are read from
+`target/criterion`, `target/peers.jsonl` (the scripts in `peers/`, run by hand) and `target/program.json`.
+`PLACEGRAPH_DATA` names the folder of real maps; with `PLACEGRAPH_LARGE=1` maps of 10 and 100 M cells run too.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import plots
+
+ROOT = Path(__file__).parents[3]
+TARGET, DOCS = ROOT / "target", ROOT / "docs"
+BEGIN, END = "<!-- measured: begin -->", "<!-- measured: end -->"
+BENCHES = ["engine", "stages", "amn", "learn", "relaxation"]
+QUICK = ["--noplot", "--warm-up-time", "0.3", "--measurement-time", "1.5"]
+KINDS = {"Widest": "AVX-512", "Avx2": "AVX2", "Baseline": "plain"}
+
+# Multiplications with an addition per beam of a cell, counted in the source: the Fourier rows 24 x 10 (fourier.rs, add)
+# and what is before them 60, clipped differences 50, moments 36 (two for each in f64), the rest 40.
+PAIRS_PER_BEAM = 426
+N_BEAMS = 360
+
+
+class Measured:
+    """Seconds of the best sample, and the throughput, of every benchmark: by group, function and parameter."""
+
+    def __init__(self):
+        self.rows = {}
+        for file in sorted(TARGET.glob("criterion/**/new/benchmark.json")):
+            bench = json.loads(file.read_text())
+            sample = json.loads(file.with_name("sample.json").read_text())
+            best = min(t / i for t, i in zip(sample["times"], sample["iters"])) * 1e-9
+            count = next(iter((bench["throughput"] or {"Elements": 1}).values()))
+            key = (bench["group_id"], bench["function_id"], bench["value_str"])
+            self.rows[key] = (best, count)
+        peers = TARGET / "peers.jsonl"
+        self.peers = {}
+        for line in peers.read_text().splitlines() if peers.exists() else []:
+            row = json.loads(line)
+            self.peers[row["stage"], row["peer"], row["size"]] = row["seconds"]
+        program = TARGET / "program.json"
+        self.program = json.loads(program.read_text()) if program.exists() else []
+
+    def series(self, group, function):
+        """(size, seconds, count) of all parameters of a function, by size."""
+        rows = [(int(value), *row) for (g, f, value), row in self.rows.items() if (g, f) == (group, function)]
+        return sorted(rows)
+
+    def get(self, group, function, size=None):
+        """(seconds, count) at a size, or of the middle one."""
+        rows = self.series(group, function)
+        if not rows:
+            return None
+        if size is not None:
+            return next((row[1:] for row in rows if row[0] == size), None)
+        return rows[len(rows) // 2][1:]
+
+    def rate(self, name, kind):
+        row = self.rows.get(("limits", name, kind))
+        return row[1] / row[0] if row else None
+
+    def memory(self):
+        row = self.rows.get(("limits", "memory", None))
+        return row[1] / row[0] if row else None
+
+
+def run_all():
+    for bench in BENCHES:
+        command = ["cargo", "bench", "-p", "placegraph", "--bench", bench, "--", *QUICK]
+        subprocess.run(command, cwd=ROOT, check=True)
+    subprocess.run(["cargo", "build", "--release", "-p", "placegraph-cli"], cwd=ROOT, check=True)
+    run_program()
+
+
+def run_program():
+    """Runs `map` on maps of growing size and notes wall and processor seconds, best of three, and the largest memory."""
+    maps = [("maps/office", ROOT / "maps/office/map.yaml")]
+    if folder := os.environ.get("PLACEGRAPH_DATA"):
+        maps.append(("fr79", Path(folder) / "eval/fr79_slam/map.yaml"))
+    widths = [160, 500, 1160] + ([3700, 11600] if os.environ.get("PLACEGRAPH_LARGE") else [])
+    maps += [(f"tiled, {width} x {width * 3 // 4}", tiled(width)) for width in widths]
+    rows = []
+    for name, file in maps:
+        best, peak, stages = [float("inf")] * 2, 0, {}
+        for _ in range(3 if len(rows) < 5 else 1):
+            out = TARGET / "program"
+            subprocess.run(["rm", "-rf", out], check=True)
+            command = [TARGET / "release/placegraph", "map", file, "--out", out]
+            start = time.monotonic()
+            child = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            _, status, usage = os.wait4(child.pid, 0)
+            child.returncode = os.waitstatus_to_exitcode(status)
+            if child.returncode != 0:
+                sys.exit(f"{command} failed")
+            stages = min(stages, stages_of(out), key=lambda stages: sum(stages.values()) or float("inf"))
+            best = [min(best[0], time.monotonic() - start), min(best[1], usage.ru_utime + usage.ru_stime)]
+            peak = max(peak, usage.ru_maxrss * 1024)
+        width, height, free = size_of(out)
+        rows.append(dict(name=name, cells=width * height, free=free, wall=best[0], cpu=best[1], peak=peak,
+                         stages=stages))
+        print(rows[-1], flush=True)
+    (TARGET / "program.json").write_text(json.dumps(rows))
+
+
+def tiled(width):
+    """The map of benches/maps as a file: rooms of 90 x 70 cells with doors."""
+    height = width * 3 // 4
+    file = TARGET / f"tiled-{width}.pgm"
+    rows = []
+    for y in range(height):
+        row = bytearray(b"\xfe") * width
+        for x in range(width):
+            column, line = x % 90, y % 70
+            door = column == 0 and 20 <= line < 38 or line == 0 and 40 <= column < 58
+            border = x in (0, width - 1) or y in (0, height - 1)
+            if border or (x * 7919 + y * 104729) % 997 == 0 or (column == 0 or line == 0) and not door:
+                row[x] = 0
+        rows.append(bytes(row))
+    file.write_bytes(b"P5\n%d %d\n255\n" % (width, height) + b"".join(reversed(rows)))
+    yaml = file.with_suffix(".yaml")
+    yaml.write_text(f"image: {file.name}\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
+                    "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
+    return yaml
+
+
+def size_of(out):
+    """Width and height of a result's map, and the cells of its places."""
+    topology = json.loads((out / "topology.json").read_text())
+    grid = topology["map"]
+    area = sum(place["area_m2"] for place in topology["places"])
+    return grid["width"], grid["height"], round(area / grid["resolution_m"] ** 2)
+
+
+def stages_of(out):
+    """Milliseconds of the stages of a run."""
+    return json.loads((out / "topology.json").read_text())["timings_ms"]
+
+
+def cell(value, form, unit=""):
+    return "not measured" if value is None else form.format(value) + unit
+
+
+def per_cell(row):
+    return None if row is None else row[0] / row[1] * 1e6
+
+
+def ratio(slow, fast):
+    return None if slow is None or fast is None else slow / fast
+
+
+def of_limit(m, kind, seconds_per_cell, pairs):
+    rate = m.rate("multiply and add", kind)
+    return None if rate is None or seconds_per_cell is None else 100 * pairs * N_BEAMS / rate / (seconds_per_cell * 1e-6)
+
+
+def targets(m):
+    lines = ["| stage | target | measured | yardstick of the same run | of the limit |", "|---|---|---|---|---|"]
+
+    def add(*cells):
+        lines.append("| " + " | ".join(cells) + " |")
+
+    plain_rays = per_cell(m.get("rays", "traversal"))
+    for kind, name in KINDS.items():
+        own = per_cell(m.get("rays", kind))
+        add(f"rays, exact, {name}", "0.5 G rays/s and core" if kind == "Widest" else "",
+            cell(own and 1e-3 / own, "{:.2f}", " G rays/s"),
+            cell(ratio(plain_rays, own), "{:.0f}", " x the scalar traversal"), "no simple one: see below")
+    plain = per_cell(m.get("203 features", "plain formulas"))
+    for group, pairs in [("203 features", PAIRS_PER_BEAM), ("all features", PAIRS_PER_BEAM), ("default model", None)]:
+        for kind, name in KINDS.items():
+            own = per_cell(m.get(group, kind))
+            twin = per_cell(m.get(group, "plain formulas"))
+            add(f"{group}, scans included, {name}",
+                "5 µs a cell and core" if (group, kind) == ("203 features", "Widest") else "",
+                cell(own, "{:.2f}", " µs a cell"), cell(ratio(twin, own), "{:.0f}", " x the plain formulas"),
+                cell(of_limit(m, kind, own, pairs) if pairs else None, "{:.0f}", " %") if pairs else "")
+    for row in m.program:
+        target = {"fr79": "0.5 s wall", "tiled, 1160 x 870": "3 s wall, all outputs"}.get(row["name"], "")
+        add(f"`map`, {row['name']}: {row['free'] / 1e3:.0f} k free cells", target,
+            f"{row['wall']:.2f} s wall, {row['cpu']:.2f} s processor",
+            ", ".join(f"{name} {ms / 1e3:.2f} s" for name, ms in row["stages"].items()), "")
+    relaxation(m, add)
+    boosting(m, add)
+    expansion(m, add)
+    components(m, add)
+    for row in m.program[-1:]:
+        add("memory of `map`, all of the process", "40 bytes a cell beyond the map",
+            f"{row['peak'] / 2**20:.0f} MiB at {row['cells'] / 1e6:.1f} M cells: {row['peak'] / row['cells']:.0f} bytes a cell",
+            "", "")
+    return lines
+
+
+def relaxation(m, add):
+    for labels in (3, 4):
+        row = next((v for (g, f, _), v in m.rows.items() if (g, f) == (f"relaxation, {labels} labels", "one thread")), None)
+        twin = next((v for (g, f, _), v in m.rows.items() if (g, f) == (f"relaxation, {labels} labels", "plain twin")), None)
+        bound = m.memory() and row and row[1] * labels * 8 / m.memory()
+        add(f"relaxation, {labels} labels, one thread", "3 x the memory bound",
+            cell(row and row[0] / row[1] * 1e9, "{:.2f}", " ns a cell and iteration"),
+            cell(ratio(per_cell(twin), per_cell(row)), "{:.0f}", " x the plain twin"),
+            cell(bound and row[0] / bound, "{:.1f}", " x the memory bound"))
+
+
+def boosting(m, add):
+    name = "rounds: 101, 65k x 203, 3 classes"
+    own = m.rows.get(("boost", name, None))
+    peers = [f"{seconds / own[0]:.1f} x as long: {peer}" for (stage, peer, _), seconds in m.peers.items()
+             if own and stage == "boosting"]
+    add("boosting, 65 k x 203, 101 rounds, 3 classes", "2 x LightGBM with stumps", cell(own and own[0], "{:.2f}", " s"),
+        "<br>".join(peers) or "not run", "")
+
+
+def expansion(m, add):
+    for name in ["Four, reward 40", "Eight, reward 40"]:
+        for size, seconds, _ in m.series("alpha-expansion", name)[1:]:
+            peers = [f"{other / seconds:.1f} x as long: {peer}" for (stage, peer, n), other in m.peers.items()
+                     if (stage, n) == (f"alpha-expansion, {name}", size)]
+            add(f"alpha-expansion, {size / 1e3:.0f} k nodes, {name}", "faster, energy not higher", f"{seconds:.3f} s",
+                "<br>".join(peers) or "not run", "")
+
+
+def components(m, add):
+    for size, seconds, _ in m.series("stages", "regions"):
+        twin, other = m.get("stages", "regions, flood fill", size), m.get("stages", "regions, imageproc", size)
+        peers = [f"{other / seconds:.1f} x as long: {peer}" for (stage, peer, n), other in m.peers.items()
+                 if (stage, n) == ("regions", size)]
+        yardsticks = [f"{twin[0] / seconds:.1f} x as long: flood fill", f"{other[0] / seconds:.1f} x as long: imageproc"]
+        bound = m.memory() and size * 8 / m.memory()
+        add(f"connected components, {size / 1e3:.0f} k cells", "16 M cells under 1 s, statistics and polygons too"
+            if size > 1e6 else "", f"{seconds * 1e3:.1f} ms, {seconds / size * 1e9:.1f} ns a cell",
+            "<br>".join(yardsticks + peers), cell(bound and 100 * bound / seconds, "{:.0f}", " % of one pass over memory"))
+
+
+def stage_table(m):
+    names = sorted({f for g, f, _ in m.rows if g == "stages"})
+    sizes = [size for size, *_ in m.series("stages", "regions")]
+    lines = ["| stage, one thread where it has no more | " + " | ".join(f"{size / 1e3:.0f} k cells" for size in sizes) + " |",
+             "|---|" + "---|" * len(sizes)]
+    for name in names:
+        rows = [m.get("stages", name, size) for size in sizes]
+        lines.append(f"| {name} | " + " | ".join(cell(row and row[0] / row[1] * 1e9, "{:.1f}", " ns a cell") for row in rows) + " |")
+    return lines
+
+
+def pictures(m):
+    curves = {}
+    for group, function, label in [("203 features", "Widest", "scans and 203 features"),
+                                   ("rays", "Widest", "scans alone"), ("stages", "doorways", "doorways"),
+                                   ("stages", "spaces", "spaces"), ("stages", "topology and outlines", "topology"),
+                                   ("stages", "regions", "connected components"),
+                                   ("stages", "overview.png", "overview.png"), ("analyze", "tiled", "analyze, all threads")]:
+        curves[label] = [(size, seconds / size * 1e9) for size, seconds, _ in m.series(group, function)]
+    (DOCS / "images/cost-by-size.svg").write_text(plots.lines(curves, "free cells", "ns a cell"))
+    size = max([size for size, *_ in m.series("stages", "regions")][:2], default=0)
+    bars = [(name, row[0] / row[1] * 1e9) for name in ["graph", "doorways", "spaces", "regions", "region statistics",
+            "topology and outlines", "labels.png", "overview.png"] if (row := m.get("stages", name, size))]
+    if row := m.get("default model", "Widest"):
+        bars.insert(1, ("scans and features", row[0] / row[1] * 1e9))
+    (DOCS / "images/time-by-stage.svg").write_text(plots.bars(bars, "ns a cell"))
+
+
+def cpu_name():
+    for line in Path("/proc/cpuinfo").read_text().splitlines():
+        if line.startswith("model name"):
+            return line.split(":")[1].strip()
+    return "unknown"
+
+
+def main():
+    if "--run" in sys.argv:
+        run_all()
+    if "--program" in sys.argv:
+        run_program()
+    m = Measured()
+    pictures(m)
+    rates = [f"{name} {m.rate('multiply and add', kind) * 1e-9:.0f} G" for kind, name in KINDS.items()
+             if m.rate("multiply and add", kind)]
+    memory = m.memory()
+    part = [f"Measured on {time.strftime('%d %B %Y')}, {os.cpu_count()} cores of a shared {cpu_name()}; the best of all samples.",
+            f"Limits of one core in the same run: {', '.join(rates)} single-precision multiplications with an addition a second"
+            + (f", {memory * 1e-9:.1f} GB/s from and to memory." if memory else "."), "", *targets(m), "",
+            "![Cost by size](images/cost-by-size.svg)", "", "![Time by stage](images/time-by-stage.svg)", "", *stage_table(m)]
+    page = DOCS / "performance.md"
+    text = page.read_text()
+    before, after = text.split(BEGIN)[0], text.split(END)[1]
+    page.write_text(before + BEGIN + "\n\n" + "\n".join(part) + "\n\n" + END + after)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,62 @@
+//! What this machine can do at best: arithmetic in registers, and passes over memory.
+
+use std::hint::black_box;
+
+use criterion::{BenchmarkId, Criterion, Throughput};
+use placegraph::scan::Instructions;
+
+/// Values side by side.
+const WIDTH: usize = 16;
+/// Sums that are worked on in turn, so that none waits for itself.
+const SUMS: usize = 7;
+const N_ROUNDS: usize = 4096;
+/// Larger than any cache, in `f32`: 256 MiB.
+const N_VALUES: usize = 1 << 26;
+
+/// Multiplications with an addition each, and bytes read and written, of one core.
+pub(crate) fn limits(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("limits");
+    group.throughput(Throughput::Elements((N_ROUNDS * SUMS * WIDTH) as u64));
+    for instructions in Instructions::ALL {
+        group.bench_function(BenchmarkId::new("multiply and add", format!("{instructions:?}")), |bencher| {
+            bencher.iter(|| {
+                instructions.run(
+                    #[inline(always)]
+                    || multiply_and_add(black_box(0.999)),
+                )
+            });
+        });
+    }
+    let mut values = vec![1.0f32; N_VALUES];
+    group.sample_size(10);
+    group.throughput(Throughput::Bytes((2 * N_VALUES * size_of::<f32>()) as u64));
+    group.bench_function("memory", |bencher| {
+        bencher.iter(|| {
+            for value in &mut values {
+                *value = *value * 0.5 + 0.5;
+            }
+            black_box(&values);
+        });
+    });
+    group.finish();
+}
+
+#[inline(always)]
+fn multiply_and_add(factor: f32) -> f32 {
+    // By name: of an array the compiler would put the sums side by side instead of the lanes.
+    let [mut a, mut b, mut c, mut d, mut e, mut f, mut g]: [[f32; WIDTH]; SUMS] =
+        std::array::from_fn(|sum| [sum as f32; WIDTH]);
+    for _ in 0..N_ROUNDS {
+        (a, b, c, d) = (next(a, factor), next(b, factor), next(c, factor), next(d, factor));
+        (e, f, g) = (next(e, factor), next(f, factor), next(g, factor));
+    }
+    [a, b, c, d, e, f, g].as_flattened().iter().sum()
+}
+
+#[inline(always)]
+fn next(sum: [f32; WIDTH], factor: f32) -> [f32; WIDTH] {
+    sum.map(
+        #[inline(always)]
+        |value| value * factor + 1.0,
+    )
+}

@@ -1,0 +1,142 @@
+//! The stages after the classifier, and the whole of [`pipeline::analyze`], at three sizes:
+//! `cargo bench -p placegraph --bench stages`. Where there is a plain twin it runs beside.
+//!
+//! The whole map also runs on `maps/office`, on fr79 in the folder of `PLACEGRAPH_DATA`, and with
+//! `PLACEGRAPH_LARGE=1` on 10 M cells.
+
+#![allow(missing_docs, reason = "criterion makes public functions")]
+#![allow(clippy::unwrap_used, reason = "a benchmark panics where a test would")]
+
+use std::path::Path;
+
+use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
+use imageproc::definitions::Image;
+use imageproc::region_labelling::connected_components;
+use placegraph::doorways::{self, DoorwayConfig};
+use placegraph::export;
+use placegraph::grid::{Cell, CellGraph, OccupancyGrid};
+use placegraph::import::{ReadOptions, load_map};
+use placegraph::labels::{Label, LabelField, Labeling};
+use placegraph::model::Model;
+use placegraph::pipeline;
+use placegraph::progress::Silent;
+use placegraph::regions::{DiagonalSteps, connected, properties};
+use placegraph::spaces::{self, SpaceConfig};
+use placegraph::topology;
+use placegraph_testkit::regions::flood_fill;
+
+mod maps;
+
+use maps::{is_door, office};
+
+/// Widths of the maps: 20 000, 300 000 and a million cells.
+const WIDTHS: [u32; 3] = [160, 640, 1160];
+const RESOLUTION_M: f64 = 0.05;
+
+fn model() -> Model {
+    Model::from_json(include_bytes!("../../placegraph-cli/assets/default.model.json")).unwrap()
+}
+
+/// Doors, corridors and rooms where they are, and some cells labeled wrong.
+fn labels(graph: &CellGraph) -> Labeling {
+    let label = |&cell: &Cell| match (cell.x / 90 + cell.y / 70) % 3 {
+        _ if is_door(cell) => Label(2),
+        _ if (cell.x * 31 + cell.y * 17) % 211 == 0 => Label(0),
+        0 => Label(0),
+        _ => Label(1),
+    };
+    graph.cells().iter().map(label).collect()
+}
+
+/// A distribution in which every label is the most probable one.
+fn field(labeling: &Labeling) -> LabelField {
+    let row =
+        |label: &Label| (0..3).map(|k| if k == label.index() { 0.8 } else { 0.1 }).collect::<Vec<f32>>();
+    LabelField::from_rows(3, labeling.iter().flat_map(row).collect())
+}
+
+fn stages(criterion: &mut Criterion) {
+    let set = model().label_set;
+    for width in WIDTHS {
+        let grid = office(width);
+        let graph = CellGraph::new(&grid.cells);
+        let n = graph.n_nodes();
+        let labeling = labels(&graph);
+        let field = field(&labeling);
+        let regions = connected(&graph, &labeling, DiagonalSteps::default());
+        let topology = topology::build(&graph, &grid.frame, &field, &regions, &set);
+        let image = Image::from_fn(grid.cells.width(), grid.cells.height(), |x, y| {
+            image::Luma([graph.node_at(Cell::new(x, y)).map_or(0, |node| labeling[node].0 + 1)])
+        });
+        dump(&image);
+        let mut group = criterion.benchmark_group("stages");
+        group.sample_size(10).sampling_mode(SamplingMode::Flat).throughput(Throughput::Elements(n as u64));
+        let mut bench = |name: &str, run: &dyn Fn()| {
+            group.bench_function(BenchmarkId::new(name, n), |bencher| bencher.iter(run));
+        };
+        bench("graph", &|| drop(CellGraph::new(&grid.cells)));
+        bench("regions", &|| drop(connected(&graph, &labeling, DiagonalSteps::default())));
+        bench("regions, flood fill", &|| drop(flood_fill(&graph, &labeling, DiagonalSteps::default())));
+        bench("regions, imageproc", &|| {
+            drop(connected_components(
+                &image,
+                imageproc::region_labelling::Connectivity::Eight,
+                image::Luma([0]),
+            ));
+        });
+        bench("region statistics", &|| drop(properties(&graph, &grid.frame, &regions)));
+        bench("doorways", &|| {
+            let config = DoorwayConfig::default();
+            drop(doorways::mark(&graph, RESOLUTION_M, &field, &labeling, &set, &config));
+        });
+        bench("spaces", &|| {
+            let config = SpaceConfig::default();
+            drop(spaces::settle(&graph, RESOLUTION_M, &field, &labeling, &set, &config));
+        });
+        bench("topology and outlines", &|| {
+            drop(topology::build(&graph, &grid.frame, &field, &regions, &set));
+        });
+        bench("labels.png", &|| drop(export::label_png(&graph, &labeling)));
+        bench("overview.png", &|| drop(export::overview_png(&grid, &labeling, &set, &topology, "office")));
+        group.finish();
+    }
+}
+
+/// Writes the labels for `peers/components.py` to the folder named by `PLACEGRAPH_DUMP`: 0 is a wall.
+fn dump(labels: &image::GrayImage) {
+    if let Ok(folder) = std::env::var("PLACEGRAPH_DUMP") {
+        let name = format!("{folder}/{}x{}.cells", labels.width(), labels.height());
+        std::fs::write(name, labels.as_raw()).unwrap();
+    }
+}
+
+fn whole_maps(criterion: &mut Criterion) {
+    let model = model();
+    let mut maps: Vec<(String, OccupancyGrid)> =
+        WIDTHS[..2].iter().map(|&width| ("tiled".into(), office(width))).collect();
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    maps.push(("maps-office".into(), load(&root.join("maps/office/map.yaml"))));
+    if let Some(folder) = std::env::var_os("PLACEGRAPH_DATA") {
+        maps.push(("fr79".into(), load(&Path::new(&folder).join("eval/fr79_slam/map.yaml"))));
+    }
+    if std::env::var_os("PLACEGRAPH_LARGE").is_some() {
+        maps.push(("tiled".into(), office(3700)));
+    }
+    let mut group = criterion.benchmark_group("analyze");
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
+    for (name, grid) in maps {
+        let n = CellGraph::new(&grid.cells).n_nodes();
+        group.throughput(Throughput::Elements(n as u64));
+        group.bench_function(BenchmarkId::new(name, n), |bencher| {
+            bencher.iter(|| pipeline::analyze(&grid, &model, &pipeline::Config::default(), &Silent));
+        });
+    }
+    group.finish();
+}
+
+fn load(path: &Path) -> OccupancyGrid {
+    load_map(path, &ReadOptions::default()).unwrap().grid
+}
+
+criterion_group!(benches, stages, whole_maps);
+criterion_main!(benches);
