@@ -30,3 +30,43 @@ pub fn relax(graph: &CellGraph, initial: &LabelField, r: &Compatibility, iterati
     }
     p.into_iter().map(|row| row[..n].to_vec()).collect()
 }
+
+/// The same in `f32`, one cell after the other, each sum in the order in which the library makes it: its twin to the
+/// last bit.
+pub fn relax_in_f32(
+    graph: &CellGraph,
+    initial: &LabelField,
+    r: &Compatibility,
+    iterations: u32,
+) -> LabelField {
+    let n = r.n_labels();
+    let label = |k: usize| Label(k as u8);
+    let wall = |k: usize| r.r(label(k), r.wall());
+    let weight = |k: usize, other: usize| ((r.r(label(k), label(other)) - wall(k)) / 8.0) as f32;
+    let mut p = initial.values().to_vec();
+    for _ in 0..iterations {
+        let mut next = p.clone();
+        for i in 0..graph.n_nodes() {
+            let at = |k: usize, x, y| graph.node_at_step(i, (x, y)).map_or(0.0, |j| p[j * n + k]);
+            let column = |k: usize, x| (at(k, x, -1) + at(k, x, 0)) + at(k, x, 1);
+            let own = &p[i * n..(i + 1) * n];
+            let neighbors: Vec<f32> =
+                (0..n).map(|k| ((column(k, -1) + column(k, 0)) + column(k, 1)) - own[k]).collect();
+            let product: Vec<f32> = (0..n)
+                .map(|k| {
+                    let support = |sum: f32, other: usize| sum + weight(k, other) * neighbors[other];
+                    let value = own[k] * (0..n).fold((1.0 + wall(k)) as f32, support);
+                    if value > 1e-30 { value } else { 0.0 }
+                })
+                .collect();
+            let sum: f32 = product.iter().fold(0.0, |sum, value| sum + value);
+            if sum > 0.0 {
+                for k in 0..n {
+                    next[i * n + k] = product[k] / sum;
+                }
+            }
+        }
+        p = next;
+    }
+    LabelField::from_rows(n, p)
+}

@@ -104,6 +104,16 @@ proptest! {
         }
     }
 
+    /// However the map is cut into bands and the iterations into passes.
+    #[test]
+    fn the_plain_twin_gives_the_same_bits((map, initial, r) in (2usize..=5).prop_flat_map(problem)) {
+        let graph = CellGraph::new(&map);
+        for iterations in [1, 7, 50] {
+            let found = relax(&graph, &initial, &r, &steps(iterations)).field;
+            prop_assert_eq!(found, oracle::relax_in_f32(&graph, &initial, &r, iterations));
+        }
+    }
+
     #[test]
     fn zero_compatibilities_change_nothing((map, initial, _) in problem(3)) {
         let graph = CellGraph::new(&map);
