@@ -36,9 +36,11 @@ pub(super) fn candidates(
     let (narrowest, widest) = (cells_of(config.min_width_m), cells_of(config.max_width_m));
     // Clearance is measured between centers: a free width w has walls w / 2 + 1 / 2 away.
     let is_door_sized = |squared: i64| (squared as f64).sqrt() <= widest / 2.0 + 1.0;
-    let mut found: Vec<Gate> = (0..graph.n_nodes())
-        .filter(|&node| is_door_sized(clearance[node]) && is_saddle(graph, clearance, node))
-        .filter_map(|node| opposite_walls(graph, node, clearance[node]))
+    let mut found: Vec<Gate> = graph
+        .cells_in_rows(0..graph.height())
+        .enumerate()
+        .filter(|&(node, cell)| is_door_sized(clearance[node]) && is_saddle(graph, clearance, node, cell))
+        .filter_map(|(node, _)| opposite_walls(graph, node, clearance[node]))
         .filter(|gate| (narrowest..=widest).contains(&(gate.width - 1.0)))
         .filter_map(|gate| with_depth(graph, gate, cells_of(config.max_depth_m)))
         .collect();
@@ -78,7 +80,7 @@ fn is_free(graph: &CellGraph, point: Point2) -> bool {
 /// The shortest line through the neighborhood of `node` between two cells that are not free, about as near
 /// to it as the nearest, and more than 120 degrees apart as seen from it.
 fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: i64) -> Option<Gate> {
-    let here = center_of(graph.cells()[node]);
+    let here = center_of(graph.cell(node));
     // Where two walls are equally near in truth, the centers of their cells differ by up to a diagonal.
     let reach = (squared_clearance as f64).sqrt() + 1.5;
     let steps = reach.floor() as i32;

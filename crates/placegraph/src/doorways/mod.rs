@@ -151,7 +151,7 @@ fn strips(
     let evidence = Evidence { graph, field, label_set, obstacles: &obstacles, resolution_m, config };
     let margin = cells(config.margin_m);
     let gates = gate::accepted(candidates, margin, |gate| evidence.is_doorway(&cleared, &clearance, gate));
-    let of_map = |node: usize| graph.node_at(cleared.cells()[node]);
+    let of_map = |node: usize| graph.node_at(cleared.cell(node));
     let strip = |gate: &gate::Gate| {
         let turned = walls::aligned(&cleared, &clearance, resolution_m, *gate);
         let gate = gate::with_depth(&cleared, turned, cells(config.max_depth_m)).unwrap_or(*gate);

@@ -1,7 +1,7 @@
 //! The obstacles of a map: groups of cells that are not free, and how large they are.
 
 use crate::geom::Point2;
-use crate::grid::{Cell, CellGraph, Grid, Occupancy};
+use crate::grid::{Cell, CellGraph, Grid};
 
 /// The longer side of the bounding box of the obstacle that each cell belongs to, in cells: 0 where the cell is free,
 /// [`Obstacles::ENDLESS`] for obstacles that reach the border of the map.
@@ -19,10 +19,10 @@ impl Obstacles {
         let mut length = Grid::filled(width, height, 0);
         // Cells of no obstacle yet.
         let mut is_open = Grid::filled(width, height, true);
-        for &cell in graph.cells() {
+        for cell in graph.cells_in_rows(0..height) {
             is_open[cell] = false;
         }
-        for start in length.cells().collect::<Vec<_>>() {
+        for start in length.cells() {
             if !std::mem::take(&mut is_open[start]) {
                 continue;
             }
@@ -50,8 +50,8 @@ impl Obstacles {
 
     /// The map's free cells together with those of all obstacles of at most `length` cells.
     pub(super) fn cleared(&self, length: u32) -> CellGraph {
-        let occupancy = |&own: &u32| if own <= length { Occupancy::Free } else { Occupancy::Occupied };
-        CellGraph::new(&self.length.map(occupancy))
+        let (width, height) = (self.length.width(), self.length.height());
+        CellGraph::from_free(width, height, |index| self.length.values()[index] <= length)
     }
 
     /// The length of the longest obstacle in the 3 x 3 cells around `point`.

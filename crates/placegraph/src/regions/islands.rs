@@ -30,12 +30,12 @@ pub fn islands(graph: &CellGraph, resolution_m: f64, regions: &RegionMap, min_m2
 /// the larger coordinate (ties: the lower row, then the lower column).
 ///
 /// Cost: for every island the square of cells around it that reaches so far.
-pub fn label_islands(graph: &CellGraph, regions: &RegionMap, islands: &[RegionId]) -> RegionMap {
+pub fn label_islands(graph: &CellGraph, regions: RegionMap, islands: &[RegionId]) -> RegionMap {
     let mut is_island = vec![false; regions.regions.len()];
     for id in islands {
         is_island[id.index()] = true;
     }
-    let mut labeled = regions.clone();
+    let mut labels: Vec<(RegionId, Label)> = Vec::new();
     let mut is_done = vec![false; regions.regions.len()];
     for (node, id) in regions.region_of.iter().enumerate() {
         if !is_island[id.index()] || std::mem::replace(&mut is_done[id.index()], true) {
@@ -46,9 +46,13 @@ pub fn label_islands(graph: &CellGraph, regions: &RegionMap, islands: &[RegionId
             let region = regions.region_of[graph.node_at(cell)?];
             (!is_island[region.index()]).then(|| regions.regions[region.index()].label)
         };
-        if let Some(label) = nearest(graph, graph.cells()[node], of_mainland) {
-            labeled.regions[id.index()].label = label;
+        if let Some(label) = nearest(graph, graph.cell(node), of_mainland) {
+            labels.push((*id, label));
         }
+    }
+    let mut labeled = regions;
+    for (id, label) in labels {
+        labeled.regions[id.index()].label = label;
     }
     labeled
 }
@@ -108,7 +112,7 @@ mod tests {
         for id in [near_corridor, near_room, corner] {
             regions.regions[id.index()].label = Label(2);
         }
-        let labeled = label_islands(&graph, &regions, &[near_corridor, near_room, corner]);
+        let labeled = label_islands(&graph, regions.clone(), &[near_corridor, near_room, corner]);
         let label = |id: RegionId| labeled.regions[id.index()].label;
         assert_eq!([near_corridor, near_room, corner].map(label), [Label(0), Label(1), Label(1)]);
         assert_eq!(labeled.region_of, regions.region_of);
