@@ -101,13 +101,14 @@ impl<'a> Setup<'a> {
         if let Some(found) = self.previous_frame_id.as_ref().filter(|found| **found != info.frame_id) {
             anyhow::bail!("expected an earlier result in the frame {:?}, found {found:?}", info.frame_id);
         }
+        let findings = check(map).findings;
         let analysis = pipeline::analyze(&map.grid, &self.model.model, &self.config, watch);
         let timings = watch.finish();
         let label_set = &self.model.model.label_set;
         let mut document =
             TopologyDocument::new(info, Some(self.model.info()), label_set, &analysis.topology);
         document.program.options.clone_from(&self.options);
-        document.findings = check(map).findings.iter().map(ToString::to_string).collect();
+        document.findings = findings.iter().map(ToString::to_string).collect();
         document.findings.extend(self.unapplied_edits(&analysis));
         if exports::fixed_time().is_none() {
             let in_ms =
@@ -162,21 +163,27 @@ impl<'a> Setup<'a> {
         let (graph, frame) = (&analysis.graph, &map.grid.frame);
         let mut files = OutputSet::default();
         if self.args.stages {
-            files.add("labels.1-classified.png", label_png(graph, &analysis.classified.most_likely()));
+            files.add("labels.1-classified.png", label_png(graph, &analysis.classified));
             files.add("labels.2-smoothed.png", label_png(graph, &analysis.smoothed.most_likely()));
         }
         if self.args.probabilities {
             files.add("probabilities.npy", probability_npy(graph, &analysis.smoothed));
         }
-        files.add("labels.png", label_png(graph, &analysis.labeling));
-        files.add("labels.yaml", raster_yaml("labels.png", frame));
-        files.add("regions.png", region_png(graph, &analysis.regions, &analysis.place_ids)?);
-        files.add("regions.yaml", raster_yaml("regions.png", frame));
         let label_set = &self.model.model.label_set;
-        files.add(
-            "overview.png",
-            overview_png(&map.grid, &analysis.labeling, label_set, &analysis.topology, &map.name),
+        let (overview, (labels, regions)) = rayon::join(
+            || overview_png(&map.grid, &analysis.labeling, label_set, &analysis.topology, &map.name),
+            || {
+                rayon::join(
+                    || label_png(graph, &analysis.labeling),
+                    || region_png(graph, &analysis.regions, &analysis.place_ids),
+                )
+            },
         );
+        files.add("labels.png", labels);
+        files.add("labels.yaml", raster_yaml("labels.png", frame));
+        files.add("regions.png", regions?);
+        files.add("regions.yaml", raster_yaml("regions.png", frame));
+        files.add("overview.png", overview);
         let mut subject = Subject::new(document, &self.masks)?;
         if self.formats.contains(&Format::Report) {
             subject.occupancy = Some(&map.grid.cells);
@@ -236,7 +243,7 @@ fn options(args: &MapArgs, formats: &[Format]) -> Result<Vec<String>> {
 
 fn most_likely_probability(graph: &CellGraph, field: &LabelField) -> Grid<f32> {
     let mut grid = Grid::filled(graph.width(), graph.height(), 0.0);
-    for (node, &cell) in graph.cells().iter().enumerate() {
+    for (node, cell) in graph.cells_in_rows(0..graph.height()).enumerate() {
         grid[cell] = field.row(node).iter().copied().fold(0.0, f32::max);
     }
     grid

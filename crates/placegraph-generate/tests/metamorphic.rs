@@ -11,7 +11,7 @@ use placegraph::features::{self, Job, evaluate};
 use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Occupancy, OccupancyGrid};
 use placegraph::import::{LabelCell, LabelCoding, read_labels};
-use placegraph::labels::{Label, LabelField, LabelSet, Labeling};
+use placegraph::labels::{Label, LabelSet, Labeling};
 use placegraph::model::{BoostedModel, Method, Model};
 use placegraph::pipeline::{Analysis, Config, Correction, Doorways, analyze};
 use placegraph::progress::Silent;
@@ -89,7 +89,7 @@ impl Stages {
         let found = run(map, model);
         let grid = |labels: &[Label]| on_cells(&found.graph, labels);
         Self([
-            ("classified", grid(&found.classified.most_likely())),
+            ("classified", grid(&found.classified)),
             ("smoothed", grid(&found.smoothed.most_likely())),
             ("at the end", grid(&found.labeling)),
         ])
@@ -189,10 +189,10 @@ fn cells_split_in_four_keep_their_labels() {
 }
 
 /// All that a run finds, as bits.
-fn bits(found: &Analysis) -> (Vec<u32>, Vec<u32>, Labeling, Vec<u32>) {
-    let field = |field: &LabelField| field.values().iter().map(|p| p.to_bits()).collect();
+fn bits(found: &Analysis) -> (Labeling, Vec<u32>, Labeling, Vec<u32>) {
+    let smoothed = found.smoothed.values().iter().map(|p| p.to_bits()).collect();
     let regions = found.regions.region_of.iter().map(|region| region.0).collect();
-    (field(&found.classified), field(&found.smoothed), found.labeling.clone(), regions)
+    (found.classified.clone(), smoothed, found.labeling.clone(), regions)
 }
 
 #[test]
@@ -243,7 +243,8 @@ fn fields_are_distributions_and_regions_partition_the_free_cells() {
     let model = model();
     for map in buildings(2) {
         let found = run(&map, &model);
-        for field in [&found.classified, &found.smoothed] {
+        let classified = model.label(&map, &found.graph, &Silent).classified;
+        for field in [&classified, &found.smoothed] {
             for node in 0..field.n_nodes() {
                 let row = field.row(node);
                 let sum: f32 = row.iter().sum();

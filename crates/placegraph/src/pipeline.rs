@@ -8,6 +8,7 @@ use crate::labels::{LabelField, Labeling};
 use crate::model::{Labeled, Method, Model};
 use crate::progress::{Progress, Stage};
 use crate::regions::{DiagonalSteps, RegionId, RegionMap, connected, correct, islands, label_islands};
+use crate::relax::relax_in_place;
 use crate::spaces::{self, SpaceConfig};
 use crate::topology::edits::{self, Edit, Edited, NotApplied};
 use crate::topology::identity::{CarriedOver, Change, carry_over};
@@ -53,9 +54,9 @@ pub enum Correction {
 pub struct Analysis {
     /// The map's free cells.
     pub graph: CellGraph,
-    /// Distribution of every node by its own scan (Sect. 4.3 or 4.6.1).
-    pub classified: LabelField,
-    /// The same after the neighbors were heard (Sect. 4.5 or 4.6).
+    /// The most probable label of every node by its own scan (Sect. 4.3 or 4.6.1); [`Model::label`] gives the distributions.
+    pub classified: Labeling,
+    /// Distribution of every node after the neighbors were heard (Sect. 4.5 or 4.6).
     pub smoothed: LabelField,
     /// The regions, corrected if asked for (Sect. 4.7) and edited.
     pub regions: RegionMap,
@@ -71,10 +72,11 @@ pub struct Analysis {
     pub changes: Vec<Change>,
 }
 
-/// Memory that [`analyze`] and the files of its result take at most, in bytes, beside 64 MB: a multiple of the map's
-/// cells, of which `n_free` are free (`docs/reliability.md`).
+/// Memory that [`analyze`] and the files of its result take at most beside the map and 64 MB, in bytes: a multiple of the
+/// map's cells, of which `n_free` are free (`docs/reliability.md`). Most maps take half of it: the bound is that of a map which
+/// is one space.
 pub fn memory_bytes(n_cells: u64, n_free: u64, n_labels: usize) -> u64 {
-    n_cells * 96 + n_free * (96 + 32 * n_labels as u64)
+    n_cells * 48 + n_free * 9 * n_labels as u64
 }
 
 /// Labels `map` with `model` and builds its topological map.
@@ -82,38 +84,39 @@ pub fn memory_bytes(n_cells: u64, n_free: u64, n_labels: usize) -> u64 {
 /// Same map and model, same bits, on any number of threads. Cost: linear in the free cells.
 pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &dyn Progress) -> Analysis {
     let graph = CellGraph::new(&map.cells);
-    let Labeled { classified, smoothed, mut labeling } = model.label(map, &graph, progress);
+    let Labeled { mut classified, mut smoothed, mut labeling } = model.label(map, &graph, progress);
 
     progress.begin(Stage::Correct);
+    let by_scan = classified.most_likely();
     let resolution_m = map.frame.resolution_m();
     if config.doorways == Doorways::Mark {
         let (label_set, config) = (&model.label_set, DoorwayConfig::default());
         labeling = doorways::mark(&graph, resolution_m, &smoothed, &labeling, label_set, &config);
-        // A network learns its node scores together with its edges; alone they say little.
-        let evidence = match &model.method {
-            Method::Boosted(_) => &classified,
-            Method::Iamn(_) => &smoothed,
-        };
         let config = SpaceConfig::default();
-        labeling = spaces::settle(&graph, resolution_m, evidence, &labeling, label_set, &config);
-    }
-    let found = connected(&graph, &labeling, DiagonalSteps::default());
-    let min_island_m2 = model.thresholds.min_island_m2;
-    let corrected = match config.correction {
-        Correction::Skip => found,
-        Correction::Apply => {
-            let regions = correct(&graph, resolution_m, &found, &model.label_set, &model.thresholds).regions;
-            label_islands(&graph, &regions, &islands(&graph, resolution_m, &regions, min_island_m2))
+        let settle = |evidence| spaces::settle(&graph, resolution_m, evidence, &labeling, label_set, &config);
+        match &model.method {
+            Method::Boosted(boosted) => {
+                // Two fields and a cut together take more memory than all else: smoothing again is cheap.
+                drop(smoothed);
+                labeling = settle(&classified);
+                relax_in_place(&graph, &mut classified, &boosted.compatibility, &boosted.relaxation);
+                smoothed = classified;
+            }
+            // A network learns its node scores together with its edges; alone they say little.
+            Method::Iamn(_) => labeling = settle(&smoothed),
         }
-    };
+    } else {
+        drop(classified);
+    }
+    let corrected = regions_of(&graph, resolution_m, labeling, model, config.correction);
     let Edited { regions, names, outcomes } =
-        edits::apply(&map.frame, &graph, &model.label_set, &corrected, &config.edits);
+        edits::apply(&map.frame, &graph, &model.label_set, corrected, &config.edits);
     let labeling = regions.labeling();
 
     progress.begin(Stage::Topology);
     let mut built = topology::build(&graph, &map.frame, &smoothed, &regions, &model.label_set);
     if config.correction == Correction::Apply {
-        let islands = islands(&graph, resolution_m, &regions, min_island_m2);
+        let islands = islands(&graph, resolution_m, &regions, model.thresholds.min_island_m2);
         let ids: BTreeSet<PlaceId> = islands.into_iter().map(topology::place_id).collect();
         built.places.retain(|place| !ids.contains(&place.id));
     }
@@ -126,7 +129,7 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
     let place_ids = (0..regions.regions.len()).map(number).collect();
     Analysis {
         graph,
-        classified,
+        classified: by_scan,
         smoothed,
         regions,
         labeling,
@@ -135,4 +138,24 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
         edit_outcomes: outcomes,
         changes,
     }
+}
+
+/// The regions of `labeling`, corrected if asked for (Sect. 4.7).
+fn regions_of(
+    graph: &CellGraph,
+    resolution_m: f64,
+    labeling: Labeling,
+    model: &Model,
+    correction: Correction,
+) -> RegionMap {
+    let found = connected(graph, &labeling, DiagonalSteps::default());
+    drop(labeling);
+    if correction == Correction::Skip {
+        return found;
+    }
+    let thresholds = &model.thresholds;
+    let corrected = correct(graph, resolution_m, &found, &model.label_set, thresholds).regions;
+    drop(found);
+    let islands = islands(graph, resolution_m, &corrected, thresholds.min_island_m2);
+    label_islands(graph, corrected, &islands)
 }

@@ -8,7 +8,10 @@
 //! the largest s r² Σ_i ln p_i(y_i) − L(y), where L is the length of the borders between labels in meters as the edges
 //! of the 8-neighborhood count it, r the resolution, and s the evidence per area ([`SpaceConfig`]).
 //!
-//! Cost: some minimum cuts per label over the nodes ([`crate::amn::infer::expand`]): exact for two labels.
+//! Cost: some minimum cuts per label over the nodes ([`crate::amn::infer::expand`]): exact for two labels. Spaces that do not
+//! touch are cut each on its own: memory is 42 bytes per cell of the rectangles around those that are at work, which are together
+//! no larger than the map.
+//! Evidence is rounded to 2⁻¹⁴ of what an edge costs.
 //!
 //! The field should be one that has not heard the neighbors yet: the relaxation makes every cell as sure as its
 //! surroundings, a doubtful patch no less than a clear one.
@@ -16,8 +19,10 @@
 //! **Deviation.** The chapter has no such stage; it can be left out. It is the chapter's associative network
 //! (Sect. 4.6) with one weight, on the field of either method.
 
-use crate::amn::infer::{Potentials, expand};
-use crate::grid::{CellGraph, Connectivity, Grid, Occupancy};
+use rayon::prelude::*;
+
+use crate::amn::infer::expand_small;
+use crate::grid::{Cell, CellGraph, DiagonalSteps, Grid, Occupancy, Run, Runs, components};
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
 
 /// The weights of evidence and border.
@@ -56,26 +61,81 @@ pub fn settle(
     if candidates.len() < 2 {
         return labeling.to_vec();
     }
-    let mut cells = Grid::filled(graph.width(), graph.height(), Occupancy::Occupied);
-    let nodes: Vec<usize> = (0..graph.n_nodes()).filter(|&node| !is_doorway(&labeling[node])).collect();
-    for &node in &nodes {
-        cells[graph.cells()[node]] = Occupancy::Free;
-    }
-    let spaces = CellGraph::new(&cells);
-
     let evidence = Evidence { candidates: &candidates, config, scale: config.evidence_per_m * resolution_m };
-    let potentials = Potentials {
-        node: nodes.iter().flat_map(|&node| evidence.of(field.row(node))).collect(),
-        edge: vec![1.0; candidates.len()],
-        connectivity: Connectivity::Eight,
-    };
     let position = |label: Label| candidates.iter().position(|&other| other == label).unwrap_or(0);
-    let start: Labeling = nodes.iter().map(|&node| Label(position(labeling[node]) as u8)).collect();
+    let edge = vec![1.0; candidates.len()];
+    let settle_space = |space: &Vec<Run>| {
+        let nodes = space.iter().flat_map(Run::nodes);
+        let start: Labeling = nodes.map(|node| Label(position(labeling[node]) as u8)).collect();
+        // How many nodes of the space stand before each run.
+        let before: Vec<usize> =
+            (space.iter()).scan(0, |n, run| Some(std::mem::replace(n, *n + run.nodes().len()))).collect();
+        expand_small(&graph_of(space), &edge, &start, |node, row| {
+            let run = before.partition_point(|&n| n <= node) - 1;
+            evidence.append(field.row(space[run].nodes().start + node - before[run]), row);
+        })
+    };
+    let n_cells = graph.width() as usize * graph.height() as usize;
+    // Large ones one by one, the others in parallel: their rectangles together are never larger than the map.
+    let (large, small): (Vec<_>, Vec<_>) = spaces(graph, |node| is_doorway(&labeling[node]))
+        .into_iter()
+        .partition(|space| n_cells_around(space) > n_cells / rayon::current_num_threads());
+    let mut found: Vec<Labeling> = large.iter().map(settle_space).collect();
+    found.par_extend(small.par_iter().map(settle_space));
     let mut settled = labeling.to_vec();
-    for (&node, label) in nodes.iter().zip(expand(&spaces, &potentials, &start)) {
-        settled[node] = candidates[label.index()];
+    for (space, labels) in large.iter().chain(&small).zip(found) {
+        let nodes = space.iter().flat_map(Run::nodes);
+        for (node, label) in nodes.zip(labels) {
+            settled[node] = candidates[label.index()];
+        }
     }
     settled
+}
+
+/// Spaces are cut together, in the rectangle of the map, where their own rectangles overlap more than so many times.
+const MAX_OVERLAP: usize = 8;
+
+/// The runs of every maximal set of 8-connected nodes that are no doorway, or of all such nodes together.
+fn spaces(graph: &CellGraph, is_doorway: impl Fn(usize) -> bool) -> Vec<Vec<Run>> {
+    let runs = Runs::new(graph, |node| u32::from(is_doorway(node)));
+    let (component_of, n_components) = components(&runs, DiagonalSteps::Any);
+    let mut spaces = vec![Vec::new(); n_components];
+    for (&run, &component) in runs.all().iter().zip(&component_of).filter(|(run, _)| run.value == 0) {
+        spaces[component as usize].push(run);
+    }
+    spaces.retain(|space| !space.is_empty());
+    let n_cells = graph.width() as usize * graph.height() as usize;
+    if spaces.iter().map(|space| n_cells_around(space)).sum::<usize>() > MAX_OVERLAP * n_cells {
+        return vec![runs.all().iter().copied().filter(|run| run.value == 0).collect()];
+    }
+    spaces
+}
+
+/// Number of cells of the smallest rectangle around `space`.
+fn n_cells_around(space: &[Run]) -> usize {
+    let (_, width, height) = rectangle(space);
+    width as usize * height as usize
+}
+
+/// Lower left cell, width and height of the smallest rectangle around `space`.
+fn rectangle(space: &[Run]) -> (Cell, u32, u32) {
+    let left = space.iter().map(|run| run.start).min().unwrap_or(0);
+    let right = space.iter().map(|run| run.end).max().unwrap_or(1);
+    let rows = |end: Option<&Run>| end.map_or(0, |run| run.y);
+    let (bottom, top) = (rows(space.first()), rows(space.last()));
+    (Cell::new(left, bottom), right - left, top - bottom + 1)
+}
+
+/// The cells of `space` in the smallest rectangle around them.
+fn graph_of(space: &[Run]) -> CellGraph {
+    let (corner, width, height) = rectangle(space);
+    let mut cells = Grid::filled(width, height, Occupancy::Occupied);
+    for run in space {
+        let start = (run.y - corner.y) as usize * width as usize;
+        let columns = (run.start - corner.x) as usize..(run.end - corner.x) as usize;
+        cells.values_mut()[start..][columns].fill(Occupancy::Free);
+    }
+    CellGraph::new(&cells)
 }
 
 struct Evidence<'a> {
@@ -86,20 +146,21 @@ struct Evidence<'a> {
 }
 
 impl Evidence<'_> {
-    /// The evidence of a node for every candidate: the scaled logarithm of its share among them.
-    fn of(&self, row: &[f32]) -> Vec<f64> {
+    /// Appends the evidence of a node for every candidate: the scaled logarithm of its share among them.
+    fn append(&self, row: &[f32], out: &mut Vec<f64>) {
         let total: f64 = self.candidates.iter().map(|label| row[label.index()] as f64).sum();
         let least = self.config.least_probability;
         let share = |label: &Label| row[label.index()] as f64 / total.max(f64::MIN_POSITIVE);
         let bounded = |label| share(label).clamp(least, 1.0 - least);
-        self.candidates.iter().map(|label| self.scale * bounded(label).ln()).collect()
+        out.extend(self.candidates.iter().map(|label| self.scale * bounded(label).ln()));
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::Cell;
+    use crate::amn::infer::{Potentials, expand};
+    use crate::grid::Connectivity;
 
     const CORRIDOR: Label = Label(0);
     const ROOM: Label = Label(1);
@@ -126,11 +187,16 @@ mod tests {
     fn evidence_is_the_scaled_logarithm_of_the_share_among_places() {
         let config = SpaceConfig { evidence_per_m: 2.0, least_probability: 0.1 };
         let evidence = Evidence { candidates: &[CORRIDOR, ROOM], config: &config, scale: 0.5 };
-        let found = evidence.of(&[0.1, 0.3, 0.6]);
+        let of = |row: &[f32]| {
+            let mut found = Vec::new();
+            evidence.append(row, &mut found);
+            found
+        };
+        let found = of(&[0.1, 0.3, 0.6]);
         assert!((found[0] - 0.5 * 0.25_f64.ln()).abs() < 1e-7, "{found:?}");
         assert!((found[1] - 0.5 * 0.75_f64.ln()).abs() < 1e-7, "{found:?}");
-        assert!((evidence.of(&[0.0, 1.0, 0.0])[0] - 0.5 * 0.1_f64.ln()).abs() < 1e-7);
-        assert!(evidence.of(&[0.0, 0.0, 1.0]).iter().all(|value| value.is_finite()));
+        assert!((of(&[0.0, 1.0, 0.0])[0] - 0.5 * 0.1_f64.ln()).abs() < 1e-7);
+        assert!(of(&[0.0, 0.0, 1.0]).iter().all(|value| value.is_finite()));
     }
 
     #[test]
@@ -163,5 +229,53 @@ mod tests {
         };
         let expected: Labeling = graph.cells().iter().map(|&cell| label(cell)).collect();
         assert_eq!(settled(&graph, label), expected);
+    }
+
+    /// Numbers from 0 to 1 that look random.
+    fn noise(n: usize) -> impl Iterator<Item = f32> {
+        let mut state = 1u32;
+        std::iter::repeat_with(move || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / 16_777_216.0
+        })
+        .take(n)
+    }
+
+    #[test]
+    fn spaces_cut_on_their_own_are_those_of_one_cut() {
+        // Doorways on bent lines, so that spaces of all sizes lie in each other's rectangles.
+        let graph = free(150, 110);
+        let is_doorway = |cell: Cell| {
+            (cell.x + cell.y * cell.y / 40).is_multiple_of(37) || (cell.y + cell.x / 9).is_multiple_of(29)
+        };
+        let labeling: Labeling =
+            graph.cells().iter().map(|&cell| if is_doorway(cell) { DOORWAY } else { ROOM }).collect();
+        let patches: Vec<f32> = noise(400).collect();
+        let corridor = |cell: Cell| patches[(cell.x / 9 + cell.y / 7 * 20) as usize];
+        let row = |(cell, own): (&Cell, f32)| {
+            let p = 0.7 * corridor(*cell) + 0.3 * own;
+            [p, 1.0 - p, 0.0]
+        };
+        let values = graph.cells().iter().zip(noise(graph.n_nodes())).flat_map(row).collect();
+        let field = LabelField::from_rows(3, values);
+        let config = SpaceConfig { evidence_per_m: 9.0, ..SpaceConfig::default() };
+        let found = settle(&graph, 0.1, &field, &labeling, &LabelSet::default(), &config);
+
+        let mut cells = Grid::filled(150, 110, Occupancy::Free);
+        for &cell in graph.cells().iter().filter(|cell| is_doorway(**cell)) {
+            cells[cell] = Occupancy::Occupied;
+        }
+        let whole = CellGraph::new(&cells);
+        let evidence = Evidence { candidates: &[CORRIDOR, ROOM], config: &config, scale: 0.9 };
+        let mut node = Vec::new();
+        for &cell in whole.cells() {
+            evidence.append(field.row(graph.node_at(cell).unwrap()), &mut node);
+        }
+        let potentials = Potentials { node, edge: vec![1.0; 2], connectivity: Connectivity::Eight };
+        let expected = expand(&whole, &potentials, &vec![ROOM; whole.n_nodes()]);
+        assert!(expected.contains(&CORRIDOR) && expected.contains(&ROOM));
+        for (&cell, &label) in whole.cells().iter().zip(&expected) {
+            assert_eq!(found[graph.node_at(cell).unwrap()], label, "{cell:?}");
+        }
     }
 }

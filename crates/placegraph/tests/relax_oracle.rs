@@ -165,6 +165,29 @@ proptest! {
     }
 }
 
+/// Wider than a tile, higher than a band, and more iterations than a pass makes.
+#[test]
+fn a_large_map_has_the_bits_of_the_plain_twin() {
+    let mut map = Grid::filled(1090, 150, Occupancy::Free);
+    for (index, value) in map.values_mut().iter_mut().enumerate() {
+        if (index * 7919) % 13 == 0 || index % 1090 / 40 == 13 {
+            *value = Occupancy::Occupied;
+        }
+    }
+    let graph = CellGraph::new(&map);
+    let initial = noise(graph.n_nodes(), 3, 5);
+    let row = |k: usize| (0..4).map(|other| if k == other { 0.4 } else { -0.1 * k as f64 }).collect();
+    let r = Compatibility::from_rows((0..4).map(row).collect()).unwrap();
+    for iterations in [9, 10, 23] {
+        let found = relax(&graph, &initial, &r, &steps(iterations));
+        let before = oracle::relax_in_f32(&graph, &initial, &r, iterations - 1);
+        let expected = oracle::relax_in_f32(&graph, &before, &r, 1);
+        assert!(found.field == expected, "{iterations} iterations");
+        let changes = expected.values().iter().zip(before.values()).map(|(a, b)| (a - b).abs());
+        assert_eq!(found.last_change.to_bits(), changes.fold(0.0, f32::max).to_bits());
+    }
+}
+
 #[test]
 fn patience_stops_when_labels_stay() {
     let map = Grid::filled(20, 20, Occupancy::Free);

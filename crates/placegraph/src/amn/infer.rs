@@ -7,11 +7,11 @@
 //! per label.
 //!
 //! Deviation: the chapter names linear programming and graph cuts; only the cuts are here. Potentials are rounded to
-//! 2⁻²³ of the largest edge reward, so that cuts are exact and moves cannot cycle.
+//! 2⁻²⁴ of the largest edge reward, so that cuts are exact and moves cannot cycle.
 
 use rayon::prelude::*;
 
-use super::maxflow::GridCut;
+use super::maxflow::{Capacity, GridCut};
 use crate::grid::{CellGraph, Connectivity};
 use crate::labels::{Label, Labeling};
 
@@ -86,10 +86,22 @@ pub fn expand(graph: &CellGraph, potentials: &Potentials, start: &[Label]) -> La
     if potentials.edge.iter().all(|&lambda| lambda == 0.0) {
         return potentials.best_alone();
     }
+    let row = |node: usize, out: &mut Vec<f64>| out.extend_from_slice(potentials.row(node));
     match potentials.connectivity {
-        Connectivity::Four => Expansion::<4>::new(graph, potentials, start).run(),
-        Connectivity::Eight => Expansion::<8>::new(graph, potentials, start).run(),
+        Connectivity::Four => Expansion::<4, i32, _>::new(graph, &potentials.edge, start, row).run(),
+        Connectivity::Eight => Expansion::<8, i32, _>::new(graph, &potentials.edge, start, row).run(),
     }
+}
+
+/// [`expand`] over the 8-neighborhood in little memory, 38 bytes per cell of the map of `graph`: with equal rewards `edge`, above 0,
+/// potentials rounded to 2⁻¹⁴ of them, and potentials that are not stored: `row` appends those of a node, one per label.
+pub(crate) fn expand_small(
+    graph: &CellGraph,
+    edge: &[f64],
+    start: &[Label],
+    row: impl Fn(usize, &mut Vec<f64>),
+) -> Labeling {
+    Expansion::<8, u16, _>::new(graph, edge, start, row).run()
 }
 
 /// The best labeling that α-expansion reaches from every node's best label alone and from each label everywhere; ties go
@@ -114,57 +126,63 @@ pub fn expand_from_all(graph: &CellGraph, potentials: &Potentials) -> Labeling {
     best.map_or_else(Vec::new, |(_, labeling)| labeling)
 }
 
-/// Most steps that the largest reward is divided into; all sums then fit in 31 bits.
-const STEPS_OF_LARGEST_REWARD: f64 = (1 << 24) as f64;
+/// Most steps that the largest reward is divided into: all sums then fit in 31 bits, and with 16 bits for an edge twice as many
+/// steps into those.
+const fn steps_of_largest_reward<C>() -> i32 {
+    if size_of::<C>() == 2 { 1 << 14 } else { 1 << 24 }
+}
 
 /// Label of the cells that are no nodes.
 const NONE: u8 = u8::MAX;
 
-struct Expansion<const D: usize> {
+struct Expansion<'a, const D: usize, C, R> {
+    graph: &'a CellGraph,
     n_labels: usize,
-    /// Potentials below the best of the node, in whole steps.
-    node: Vec<i32>,
+    /// Appends the potentials of a node.
+    row: R,
+    steps_per_unit: f64,
     /// Half the reward of every label, in whole steps.
     half_reward: Vec<i32>,
-    /// Position of every node in the cut's rectangle, and the labels of all positions.
-    positions: Vec<u32>,
+    /// The labels of all positions in the cut's rectangle.
     labels: Vec<u8>,
-    cut: GridCut<D>,
+    cut: GridCut<D, C>,
 }
 
-impl<const D: usize> Expansion<D> {
-    fn new(graph: &CellGraph, potentials: &Potentials, start: &[Label]) -> Self {
-        let cut = GridCut::<D>::new(graph.width(), graph.height());
-        let positions: Vec<u32> = graph.cells().iter().map(|&cell| cut.position(cell) as u32).collect();
+impl<'a, const D: usize, C: Capacity, R: Fn(usize, &mut Vec<f64>)> Expansion<'a, D, C, R> {
+    fn new(graph: &'a CellGraph, edge: &[f64], start: &[Label], row: R) -> Self {
+        let cut = GridCut::<D, C>::new(graph.width(), graph.height());
         let mut labels = vec![NONE; cut.n_positions()];
-        for (&position, label) in positions.iter().zip(start) {
-            labels[position as usize] = label.0;
+        for (cell, label) in graph.cells_in_rows(0..graph.height()).zip(start) {
+            labels[cut.position(cell)] = label.0;
         }
         let steps_per_unit =
-            STEPS_OF_LARGEST_REWARD / potentials.edge.iter().fold(0.0, |a: f64, &b| a.max(b));
+            f64::from(steps_of_largest_reward::<C>()) / edge.iter().fold(0.0, |a: f64, &b| a.max(b));
         let half_reward: Vec<i32> =
-            potentials.edge.iter().map(|lambda| (lambda / 2.0 * steps_per_unit).round() as i32).collect();
+            edge.iter().map(|lambda| (lambda / 2.0 * steps_per_unit).round() as i32).collect();
+        Self { graph, n_labels: edge.len(), row, steps_per_unit, half_reward, labels, cut }
+    }
+
+    /// Puts the potentials of `node` into `steps`, in whole steps below the best.
+    fn below_best(&self, node: usize, theta: &mut Vec<f64>, steps: &mut Vec<i32>) {
+        theta.clear();
+        (self.row)(node, theta);
+        let best = theta.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
         // A label this far below the best is never worth its edges: clipping there changes no optimum.
-        let lowest = -(2.0 * D as f64 * STEPS_OF_LARGEST_REWARD);
-        let below_best = |row: &[f64]| {
-            let best = row.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
-            row.iter()
-                .map(|theta| ((theta - best) * steps_per_unit).round().max(lowest) as i32)
-                .collect::<Vec<_>>()
-        };
-        let node = potentials.node.chunks_exact(potentials.n_labels()).flat_map(below_best).collect();
-        Self { n_labels: potentials.n_labels(), node, half_reward, positions, labels, cut }
+        let lowest = -2.0 * D as f64 * f64::from(steps_of_largest_reward::<C>());
+        steps.clear();
+        steps.extend(theta.iter().map(|t| ((t - best) * self.steps_per_unit).round().max(lowest) as i32));
     }
 
     fn run(mut self) -> Labeling {
         if self.n_labels == 2 {
             // Every labeling is one expansion of the first label away from this one.
-            self.positions.iter().for_each(|&position| self.labels[position as usize] = 1);
+            self.labels.iter_mut().filter(|label| **label != NONE).for_each(|label| *label = 1);
             self.expand(0);
         } else {
             self.expand_in_turn();
         }
-        self.positions.iter().map(|&position| Label(self.labels[position as usize])).collect()
+        let cells = self.graph.cells_in_rows(0..self.graph.height());
+        cells.map(|cell| Label(self.labels[self.cut.position(cell)])).collect()
     }
 
     fn expand_in_turn(&mut self) {
@@ -182,12 +200,13 @@ impl<const D: usize> Expansion<D> {
     fn expand(&mut self, alpha: usize) -> bool {
         let from_source = self.set_capacities(alpha);
         let gain = from_source - self.cut.solve();
-        if gain == 0 {
+        // With two labels even nodes go to the first one, whatever else changes.
+        if gain == 0 && self.n_labels > 2 {
             return false;
         }
-        for &position in &self.positions {
-            if !self.cut.is_sink_side(position as usize) && self.labels[position as usize] != alpha as u8 {
-                self.labels[position as usize] = alpha as u8;
+        for (position, label) in self.labels.iter_mut().enumerate() {
+            if *label != NONE && !self.cut.is_sink_side(position) {
+                *label = alpha as u8;
             }
         }
         true
@@ -199,15 +218,16 @@ impl<const D: usize> Expansion<D> {
     fn set_capacities(&mut self, alpha: usize) -> i64 {
         self.cut.clear();
         let mut from_source = 0;
+        let (mut theta, mut row) = (Vec::new(), Vec::new());
         let alpha_label = alpha as u8;
         let gain = self.half_reward[alpha];
-        for (i, &position) in self.positions.iter().enumerate() {
-            let p = position as usize;
+        for (i, cell) in self.graph.cells_in_rows(0..self.graph.height()).enumerate() {
+            let p = self.cut.position(cell);
             let label = self.labels[p];
             if label == alpha_label {
                 continue;
             }
-            let row = &self.node[i * self.n_labels..(i + 1) * self.n_labels];
+            self.below_best(i, &mut theta, &mut row);
             let loss = self.half_reward[label as usize];
             let mut excess = row[alpha] - row[label as usize];
             for d in 0..D {

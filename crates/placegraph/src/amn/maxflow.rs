@@ -3,7 +3,8 @@
 //! Used by [`super::infer`], Sect. 4.6. Neighbors are implicit: a cell's neighbor in direction d stands at a fixed
 //! offset, and one record per cell holds all that the search reads, so that a step touches one or two cache
 //! lines. Capacities are integers: the flow is exact and the cut does not depend on rounding. Cost: in
-//! practice near linear in the cells; 4 D + 16 bytes per cell of the rectangle, D = 4 or 8 neighbors.
+//! practice near linear in the cells; 4 D + 16 bytes per cell of the rectangle, D = 4 or 8 neighbors, or half as much for the
+//! neighbors where capacities are small ([`Capacity`]); and 4 bytes per cell with capacity from or to a terminal.
 //!
 //! Y. Boykov, V. Kolmogorov, *An experimental comparison of min-cut/max-flow algorithms for energy
 //! minimization in vision*, PAMI 2004.
@@ -12,14 +13,41 @@ use std::collections::VecDeque;
 
 use crate::grid::{Cell, Connectivity};
 
+/// An integer that holds the capacities of edges, and sums of the two of an edge.
+pub trait Capacity: Copy + Into<i32> + std::fmt::Debug {
+    /// No capacity.
+    const ZERO: Self;
+    /// The same number.
+    ///
+    /// # Panics
+    /// If it is out of range.
+    fn of(capacity: i32) -> Self;
+}
+
+impl Capacity for i32 {
+    const ZERO: Self = 0;
+    fn of(capacity: i32) -> Self {
+        capacity
+    }
+}
+
+/// For edges of at most 32 767.
+impl Capacity for u16 {
+    const ZERO: Self = 0;
+    #[expect(clippy::expect_used, reason = "a documented panic")]
+    fn of(capacity: i32) -> Self {
+        capacity.try_into().expect("a capacity of 16 bits")
+    }
+}
+
 /// A rectangle of cells with residual capacities to their `D` neighbors and to one of the two terminals.
 ///
 /// Directions are numbered as in [`Connectivity::steps`], so that direction `D − 1 − d` is opposite to `d`.
 #[derive(Clone, Debug)]
-pub struct GridCut<const D: usize> {
+pub struct GridCut<const D: usize, C = i32> {
     stride: usize,
     offsets: [isize; D],
-    nodes: Vec<Node<D>>,
+    nodes: Vec<Node<D, C>>,
     active: VecDeque<u32>,
     orphans: VecDeque<u32>,
     /// Number of augmentations; distances stamped with it are known to be good.
@@ -27,9 +55,9 @@ pub struct GridCut<const D: usize> {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Node<const D: usize> {
+struct Node<const D: usize, C> {
     /// Residual capacity to the neighbor in each direction.
-    residual: [i32; D],
+    residual: [C; D],
     /// Residual capacity from the source if positive, to the sink if negative.
     excess: i32,
     distance: u32,
@@ -50,9 +78,9 @@ enum Tree {
 const TERMINAL: u8 = 254;
 const ORPHAN: u8 = 255;
 
-impl<const D: usize> Node<D> {
+impl<const D: usize, C: Capacity> Node<D, C> {
     const EMPTY: Self = Self {
-        residual: [0; D],
+        residual: [C::ZERO; D],
         excess: 0,
         distance: 0,
         stamp: 0,
@@ -62,7 +90,7 @@ impl<const D: usize> Node<D> {
     };
 }
 
-impl<const D: usize> GridCut<D> {
+impl<const D: usize, C: Capacity> GridCut<D, C> {
     /// A rectangle of `width × height` cells without capacities.
     ///
     /// # Panics
@@ -118,8 +146,8 @@ impl<const D: usize> GridCut<D> {
     pub fn set_edge(&mut self, position: usize, d: usize, capacity: i32) {
         debug_assert!(capacity >= 0, "capacities are not negative");
         let neighbor = self.neighbor(position, d);
-        self.nodes[position].residual[d] = capacity;
-        self.nodes[neighbor].residual[D - 1 - d] = capacity;
+        self.nodes[position].residual[d] = C::of(capacity);
+        self.nodes[neighbor].residual[D - 1 - d] = C::of(capacity);
     }
 
     /// Whether `position` is on the sink's side of the minimum cut, after [`GridCut::solve`]. Where several cuts are
@@ -148,6 +176,7 @@ impl<const D: usize> GridCut<D> {
 
     /// Pushes what flows from the source over one edge to the sink, then makes every cell with excess a root.
     fn plant_trees(&mut self) -> i64 {
+        self.active.reserve_exact(self.nodes.iter().filter(|node| node.excess != 0).count());
         let mut flow = 0;
         for p in 0..self.nodes.len() {
             if self.nodes[p].excess > 0 {
@@ -173,7 +202,7 @@ impl<const D: usize> GridCut<D> {
     /// Pushes from the source over the edge `d` of `p` to the sink, if both ends have excess for it.
     fn push_over(&mut self, p: usize, d: usize) -> i32 {
         let q = self.neighbor(p, d);
-        let amount = self.nodes[p].excess.min(self.nodes[p].residual[d]).min(-self.nodes[q].excess);
+        let amount = self.nodes[p].excess.min(self.residual(p, d)).min(-self.nodes[q].excess);
         if amount <= 0 {
             return 0;
         }
@@ -183,11 +212,15 @@ impl<const D: usize> GridCut<D> {
         amount
     }
 
+    fn residual(&self, p: usize, d: usize) -> i32 {
+        self.nodes[p].residual[d].into()
+    }
+
     /// Sends `amount` from `p` in direction `d`.
     fn move_capacity(&mut self, p: usize, d: usize, amount: i32) {
         let q = self.neighbor(p, d);
-        self.nodes[p].residual[d] -= amount;
-        self.nodes[q].residual[D - 1 - d] += amount;
+        self.nodes[p].residual[d] = C::of(self.residual(p, d) - amount);
+        self.nodes[q].residual[D - 1 - d] = C::of(self.residual(q, D - 1 - d) + amount);
     }
 
     fn activate(&mut self, p: usize) {
@@ -206,7 +239,7 @@ impl<const D: usize> GridCut<D> {
         }
         for (d, &forward) in residual.iter().enumerate() {
             let q = self.neighbor(p, d);
-            let to_sink = if tree == Tree::Source { forward } else { self.nodes[q].residual[D - 1 - d] };
+            let to_sink = if tree == Tree::Source { forward.into() } else { self.residual(q, D - 1 - d) };
             if to_sink == 0 {
                 continue;
             }
@@ -233,7 +266,8 @@ impl<const D: usize> GridCut<D> {
     /// Pushes all that fits along the path through the edge `d` of `source_end`; edges that fill up cut off orphans.
     fn augment(&mut self, source_end: usize, d: usize) -> i32 {
         let sink_end = self.neighbor(source_end, d);
-        let amount = self.nodes[source_end].residual[d]
+        let amount = self
+            .residual(source_end, d)
             .min(self.bottleneck(source_end, Tree::Source))
             .min(self.bottleneck(sink_end, Tree::Sink));
         self.move_capacity(source_end, d, amount);
@@ -249,8 +283,8 @@ impl<const D: usize> GridCut<D> {
             let d = self.nodes[p].parent as usize;
             let parent = self.neighbor(p, d);
             let residual = match tree {
-                Tree::Source => self.nodes[parent].residual[D - 1 - d],
-                _ => self.nodes[p].residual[d],
+                Tree::Source => self.residual(parent, D - 1 - d),
+                _ => self.residual(p, d),
             };
             smallest = smallest.min(residual);
             p = parent;
@@ -264,10 +298,10 @@ impl<const D: usize> GridCut<D> {
             let parent = self.neighbor(p, d);
             let left = if tree == Tree::Source {
                 self.move_capacity(parent, D - 1 - d, amount);
-                self.nodes[parent].residual[D - 1 - d]
+                self.residual(parent, D - 1 - d)
             } else {
                 self.move_capacity(p, d, amount);
-                self.nodes[p].residual[d]
+                self.residual(p, d)
             };
             if left == 0 {
                 self.cut_off(p);
@@ -326,8 +360,8 @@ impl<const D: usize> GridCut<D> {
     /// goes to (sink) the neighbor's root.
     fn residual_from_root(&self, p: usize, d: usize, tree: Tree) -> i32 {
         match tree {
-            Tree::Source => self.nodes[self.neighbor(p, d)].residual[D - 1 - d],
-            _ => self.nodes[p].residual[d],
+            Tree::Source => self.residual(self.neighbor(p, d), D - 1 - d),
+            _ => self.residual(p, d),
         }
     }
 

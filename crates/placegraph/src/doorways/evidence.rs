@@ -76,7 +76,7 @@ impl Evidence<'_> {
     fn support(&self, cleared: &CellGraph, gate: &Gate, found: &Surroundings) -> f64 {
         let mean = |nodes: &[usize], wanted: &dyn Fn(usize) -> bool| {
             let rows: Vec<&[f32]> = (nodes.iter())
-                .filter_map(|&node| self.graph.node_at(cleared.cells()[node]))
+                .filter_map(|&node| self.graph.node_at(cleared.cell(node)))
                 .map(|node| self.field.row(node))
                 .collect();
             let total: f64 = (rows.iter())

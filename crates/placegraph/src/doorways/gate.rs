@@ -96,7 +96,7 @@ fn is_free(graph: &CellGraph, point: Point2) -> bool {
 /// The shortest lines through the neighborhood of `node` between two cells that are not free, about as near
 /// to it as the nearest, and more than 120 degrees apart as seen from it; of these the ones with their middle nearest to it.
 fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: i64) -> Vec<Gate> {
-    let here = center_of(graph.cells()[node]);
+    let here = center_of(graph.cell(node));
     // Where two walls are equally near in truth, the centers of their cells differ by up to a diagonal.
     let reach = (squared_clearance as f64).sqrt() + 1.5;
     let steps = reach.floor() as i32;

@@ -22,7 +22,7 @@ mod saddles;
 mod sides;
 mod walls;
 
-use crate::grid::{CellGraph, Grid, Obstacles, Occupancy};
+use crate::grid::{CellGraph, Obstacles};
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
 use evidence::Evidence;
 
@@ -142,30 +142,20 @@ fn strips(
     config: &DoorwayConfig,
 ) -> Vec<Vec<usize>> {
     let cells = |meters: f64| meters / resolution_m;
-    let map = map_of(graph);
-    let obstacles = Obstacles::of(&map);
-    let cleared = CellGraph::new(&obstacles.cleared(cells(config.max_speck_m).round() as u32));
+    let obstacles = Obstacles::of(graph);
+    let cleared = obstacles.cleared(cells(config.max_speck_m).round() as u32);
     let clearance = saddles::squared_clearance(&cleared);
     let candidates = gate::candidates(&cleared, &clearance, resolution_m, config);
     let evidence = Evidence { graph, field, label_set, obstacles, resolution_m, config };
     let margin = cells(config.margin_m);
     let gates = gate::accepted(&candidates, margin, |gate| evidence.is_doorway(&cleared, &clearance, gate));
-    let of_map = |node: usize| graph.node_at(cleared.cells()[node]);
+    let of_map = |node: usize| graph.node_at(cleared.cell(node));
     let strip = |gate: &gate::Gate| {
         let turned = walls::aligned(&cleared, &clearance, resolution_m, *gate);
         let gate = gate::with_depth(&cleared, turned, cells(config.max_depth_m)).unwrap_or(*gate);
         paint::strip(&cleared, &gate, margin).into_iter().filter_map(of_map).collect()
     };
     gates.iter().map(strip).collect()
-}
-
-/// The map of which `graph` has the free cells.
-fn map_of(graph: &CellGraph) -> Grid<Occupancy> {
-    let mut map = Grid::filled(graph.width(), graph.height(), Occupancy::Occupied);
-    for &cell in graph.cells() {
-        map[cell] = Occupancy::Free;
-    }
-    map
 }
 
 /// The label of a role that `wanted` accepts with the largest sum over `nodes`; ties go to the lower label.

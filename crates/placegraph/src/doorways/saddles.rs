@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering;
 
-use crate::grid::{CellGraph, Connectivity, squared_clearances};
+use crate::grid::{CellGraph, Connectivity, NO_NODE, squared_clearances};
 
 /// Squared distance of every node to the nearest center of a cell that is not free, in cells.
 pub(super) fn squared_clearance(graph: &CellGraph) -> Vec<i64> {
@@ -19,28 +19,29 @@ pub(super) fn squared_clearance(graph: &CellGraph) -> Vec<i64> {
 pub(super) fn saddles(graph: &CellGraph, clearance: &[i64], is_wanted: impl Fn(i64) -> bool) -> Vec<usize> {
     let mut is_seen = vec![false; graph.n_nodes()];
     let mut found = Vec::new();
-    for start in 0..graph.n_nodes() {
+    for (start, cell) in graph.cells_in_rows(0..graph.height()).enumerate() {
         if is_seen[start] || !is_wanted(clearance[start]) {
             continue;
         }
         is_seen[start] = true;
-        let (mut level, mut higher) = (vec![start], Vec::new());
+        let (mut level, mut higher) = (vec![(start, cell)], Vec::new());
         let mut next = 0;
-        while let Some(&node) = level.get(next) {
+        while let Some(&(node, cell)) = level.get(next) {
             next += 1;
-            for neighbor in graph.neighbors(node, Connectivity::Eight) {
+            for neighbor in graph.around(cell).into_iter().flatten().filter(|&neighbor| neighbor != NO_NODE) {
+                let neighbor = neighbor as usize;
                 match clearance[neighbor].cmp(&clearance[node]) {
                     Ordering::Greater => higher.push(neighbor),
                     Ordering::Equal if !is_seen[neighbor] => {
                         is_seen[neighbor] = true;
-                        level.push(neighbor);
+                        level.push((neighbor, graph.cell(neighbor)));
                     }
                     _ => {}
                 }
             }
         }
         if n_groups(graph, higher) >= 2 {
-            found.extend(level);
+            found.extend(level.into_iter().map(|(node, _)| node));
         }
     }
     found.sort_unstable();

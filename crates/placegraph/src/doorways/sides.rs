@@ -53,10 +53,10 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
         let mut steps: Vec<Option<u32>> = vec![None; window.n_cells()];
         let mut open: VecDeque<usize> = beside(graph, gate, direction).into();
         for &node in &open {
-            steps[window.index(graph.cells()[node])] = Some(0);
+            steps[window.index(graph.cell(node))] = Some(0);
         }
         while let Some(node) = open.pop_front() {
-            let here = window.index(graph.cells()[node]);
+            let here = window.index(graph.cell(node));
             let walked = steps[here].unwrap_or(0);
             side.visit(node, clearance[node], walked as f64, walks);
             if let Some(Some(other)) = first.get(here) {
@@ -67,7 +67,7 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
             }
             for &step in &RING[..if walked.is_multiple_of(2) { 8 } else { 4 }] {
                 let Some(next) = reachable(graph, node, step) else { continue };
-                let cell = graph.cells()[next];
+                let cell = graph.cell(next);
                 let known = &mut steps[window.index(cell)];
                 if known.is_none() && !is_on_line(gate, cell) {
                     *known = Some(walked + 1);
@@ -138,6 +138,6 @@ fn is_on_line(gate: &Gate, cell: Cell) -> bool {
 
 /// Free cells just beside the line.
 fn beside(graph: &CellGraph, gate: &Gate, direction: f64) -> Vec<usize> {
-    let is_beside = |&node: &usize| gate.local(center_of(graph.cells()[node])).1 * direction > 0.75;
+    let is_beside = |&node: &usize| gate.local(center_of(graph.cell(node))).1 * direction > 0.75;
     super::paint::nodes_in(graph, gate, 1.75).into_iter().filter(is_beside).collect()
 }

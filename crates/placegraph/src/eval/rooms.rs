@@ -58,7 +58,7 @@ pub fn room_scores(
     };
     let mut room_cells: BTreeMap<u32, u64> = BTreeMap::new();
     let mut overlaps: BTreeMap<(usize, u32), u64> = BTreeMap::new();
-    for (&cell, id) in graph.cells().iter().zip(&regions.region_of) {
+    for (cell, id) in graph.cells_in_rows(0..graph.height()).zip(&regions.region_of) {
         let room = rooms[cell];
         if room > 0 {
             *room_cells.entry(room).or_insert(0) += 1;

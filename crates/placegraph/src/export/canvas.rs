@@ -134,23 +134,29 @@ fn paint_enlarged(cells: impl Iterator<Item = (Cell, [u8; 3], u32)>, crop: &Crop
 /// The weighted mean color of the cells that share a pixel.
 fn paint_reduced(cells: impl Iterator<Item = (Cell, [u8; 3], u32)>, crop: &Crop, canvas: Canvas<'_>) {
     let Canvas { rgba, stride_px, offset } = canvas;
-    let width = crop.width_px() as usize;
-    let mut sums: Vec<[u32; 4]> = vec![[0; 4]; width * crop.height_px() as usize];
+    // A row of pixels at a time: rows of cells follow each other.
+    let mut sums: Vec<[u32; 4]> = vec![[0; 4]; crop.width_px() as usize];
+    let mut paint_row = |y: usize, sums: &mut [[u32; 4]]| {
+        let start = 4 * ((y + offset.1) * stride_px + offset.0);
+        let pixels = rgba[start..].chunks_exact_mut(4).zip(sums).filter(|(_, sum)| sum[3] > 0);
+        for (pixel, sum) in pixels {
+            let [red, green, blue, n] = std::mem::take(sum);
+            pixel.copy_from_slice(&[(red / n) as u8, (green / n) as u8, (blue / n) as u8, 255]);
+        }
+    };
+    let mut row = None;
     for (cell, color, weight) in cells {
         let (x, y) = crop.pixel(cell);
-        let sum = &mut sums[y * width + x];
-        for (channel, value) in sum.iter_mut().zip(color) {
+        if let Some(painted) = row.replace(y).filter(|&painted| painted != y) {
+            paint_row(painted, &mut sums);
+        }
+        for (channel, value) in sums[x].iter_mut().zip(color) {
             *channel += weight * value as u32;
         }
-        sum[3] += weight;
+        sums[x][3] += weight;
     }
-    for (y, row) in sums.chunks_exact(width).enumerate() {
-        let start = 4 * ((y + offset.1) * stride_px + offset.0);
-        for (pixel, [red, green, blue, n]) in rgba[start..].chunks_exact_mut(4).zip(row) {
-            if *n > 0 {
-                pixel.copy_from_slice(&[(red / n) as u8, (green / n) as u8, (blue / n) as u8, 255]);
-            }
-        }
+    if let Some(painted) = row {
+        paint_row(painted, &mut sums);
     }
 }
 

@@ -18,7 +18,7 @@ pub fn probability_npy(graph: &CellGraph, field: &LabelField) -> Vec<u8> {
     let start = file.len();
     file.resize(start + n_labels * height * width * size_of::<f32>(), 0);
     let (values, _) = file[start..].as_chunks_mut::<4>();
-    for (node, cell) in graph.cells().iter().enumerate() {
+    for (node, cell) in graph.cells_in_rows(0..graph.height()).enumerate() {
         let pixel = (height - 1 - cell.y as usize) * width + cell.x as usize;
         for (k, p) in field.row(node).iter().enumerate() {
             values[k * height * width + pixel] = p.to_le_bytes();

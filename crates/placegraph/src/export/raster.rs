@@ -53,11 +53,11 @@ pub fn region_png(
     if found > u32::from(u16::MAX) {
         return Err(RasterError::TooManyRegions { found });
     }
-    let number = |node: usize| place_ids[regions.region_of[node].index()].map_or(0, |id| id.0 as u16);
-    let pixels = image_rows(graph, number);
     // The encoder takes samples in the order of this machine's bytes.
-    let bytes: Vec<u8> = pixels.iter().flat_map(|id| id.to_ne_bytes()).collect();
-    Ok(png(graph, &bytes, ExtendedColorType::L16))
+    let number =
+        |node: usize| place_ids[regions.region_of[node].index()].map_or(0, |id| id.0 as u16).to_ne_bytes();
+    let pixels = image_rows(graph, number);
+    Ok(png(graph, pixels.as_flattened(), ExtendedColorType::L16))
 }
 
 /// The map_server YAML of an image in mode raw, with resolution and origin of `frame` to the last bit.
@@ -86,7 +86,7 @@ fn yaml_float(value: f64) -> String {
 fn image_rows<T: Copy + Default>(graph: &CellGraph, value: impl Fn(usize) -> T) -> Vec<T> {
     let width = graph.width() as usize;
     let mut pixels = vec![T::default(); width * graph.height() as usize];
-    for (node, cell) in graph.cells().iter().enumerate() {
+    for (node, cell) in graph.cells_in_rows(0..graph.height()).enumerate() {
         let row = (graph.height() - 1 - cell.y) as usize;
         pixels[row * width + cell.x as usize] = value(node);
     }

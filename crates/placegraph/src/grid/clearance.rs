@@ -2,7 +2,7 @@
 //! lower envelope of parabolas over the runs of the rows [Meijster, Roerdink, Hesselink 2000]. Cost: linear
 //! in nodes.
 
-use super::CellGraph;
+use super::{CellGraph, NO_NODE};
 
 /// Calls `visit` with the first node of every run of nodes in a row that are of one kind, and the squared
 /// distances, in cells, from the centers of its nodes to the nearest center of a cell of another kind, of a
@@ -13,30 +13,46 @@ pub(crate) fn squared_clearances(
     mut visit: impl FnMut(usize, &[i64]),
 ) {
     let along_column = column_distances(graph, &same_kind);
-    let mut row = RowPass::default();
-    let mut first = 0;
-    while first < graph.n_nodes() {
-        let mut end = first + 1;
-        while graph.node_at_step(end - 1, (1, 0)).is_some_and(|next| same_kind(first, next)) {
+    let mut pass = RowPass::default();
+    for y in 0..graph.height() {
+        let mut first = graph.nodes_in_rows(y..y + 1).start;
+        let mut end = first;
+        let mut right = None;
+        for x in graph.columns(y, 0..graph.width()) {
+            if end > first && (right != Some(x) || !same_kind(first, end)) {
+                visit(first, pass.squared_distances(&along_column[first..end]));
+                first = end;
+            }
             end += 1;
+            right = Some(x + 1);
         }
-        visit(first, row.squared_distances(&along_column[first..end]));
-        first = end;
+        if end > first {
+            visit(first, pass.squared_distances(&along_column[first..end]));
+        }
     }
 }
 
-/// Distance of every node to the nearest cell of its column that is not of its kind.
-fn column_distances(graph: &CellGraph, same_kind: impl Fn(usize, usize) -> bool) -> Vec<u32> {
-    let same = |node: usize, step| graph.node_at_step(node, step).filter(|&next| same_kind(node, next));
-    let mut distances = vec![1; graph.n_nodes()];
-    for node in 0..graph.n_nodes() {
-        if let Some(below) = same(node, (0, -1)) {
-            distances[node] = distances[below] + 1;
+/// Distance of every node to the nearest cell of its column that is not of its kind. Longer ones than 65 535 count as this:
+/// a map so high is less wide, so that the end of a row is nearer.
+fn column_distances(graph: &CellGraph, same_kind: impl Fn(usize, usize) -> bool) -> Vec<u16> {
+    let mut distances = vec![u16::MAX; graph.n_nodes()];
+    let mut sweep = |rows: &mut dyn Iterator<Item = u32>| {
+        // The nodes of the row before.
+        let mut beside = vec![NO_NODE; graph.width() as usize];
+        let mut row = beside.clone();
+        for y in rows {
+            graph.fill_row(y, &mut row);
+            for (&node, &beside) in row.iter().zip(&beside).filter(|(node, _)| **node != NO_NODE) {
+                let node = node as usize;
+                let same = beside != NO_NODE && same_kind(node, beside as usize);
+                let distance = if same { distances[beside as usize].saturating_add(1) } else { 1 };
+                distances[node] = distances[node].min(distance);
+            }
+            std::mem::swap(&mut row, &mut beside);
         }
-    }
-    for node in (0..graph.n_nodes()).rev() {
-        distances[node] = distances[node].min(same(node, (0, 1)).map_or(1, |above| distances[above] + 1));
-    }
+    };
+    sweep(&mut (0..graph.height()));
+    sweep(&mut (0..graph.height()).rev());
     distances
 }
 
@@ -51,7 +67,7 @@ struct RowPass {
 impl RowPass {
     /// For the cells of a run with column distances g, the least of (x − u)² + g(u)² over all cells u of the
     /// run and the two cells beside it, where g is 0. Cells farther along the row are never nearer.
-    fn squared_distances(&mut self, along_column: &[u32]) -> &[i64] {
+    fn squared_distances(&mut self, along_column: &[u16]) -> &[i64] {
         // Positions 0 and `end` are the cells beside the run.
         let end = along_column.len() as u32 as i64 + 1;
         let squared_g = |u: i64| match u {

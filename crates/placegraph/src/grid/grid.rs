@@ -14,6 +14,11 @@ impl Cell {
     pub const fn new(x: u32, y: u32) -> Self {
         Self { x, y }
     }
+
+    /// The cell so many columns and rows away, which exists.
+    pub(super) fn moved(self, columns: i32, rows: i32) -> Self {
+        Self::new(self.x.wrapping_add_signed(columns), self.y.wrapping_add_signed(rows))
+    }
 }
 
 /// `width · height` values, row-major, row 0 at the bottom. Both sides are at least 1.

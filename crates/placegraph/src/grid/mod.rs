@@ -5,19 +5,24 @@
 
 mod cell_graph;
 mod clearance;
+mod disjoint_sets;
 mod frame;
 #[expect(clippy::module_inception, reason = "the module's main type")]
 mod grid;
 mod neighbors;
 mod obstacles;
 mod occupancy;
+mod runs;
 mod shape;
 
 pub use cell_graph::CellGraph;
+pub(crate) use cell_graph::NO_NODE;
 pub(crate) use clearance::squared_clearances;
+pub(crate) use disjoint_sets::DisjointSets;
 pub use frame::{FrameError, MAX_ORIGIN, MAX_RESOLUTION_M, MIN_RESOLUTION_M, MapFrame};
 pub use grid::{Cell, Grid};
-pub use neighbors::Connectivity;
+pub use neighbors::{Connectivity, DiagonalSteps};
 pub use obstacles::Obstacles;
 pub use occupancy::{Occupancy, OccupancyGrid};
+pub(crate) use runs::{Run, Runs, components};
 pub use shape::GridShape;

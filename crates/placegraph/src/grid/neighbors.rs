@@ -1,5 +1,7 @@
 //! The two neighborhoods of a cell.
 
+use serde::{Deserialize, Serialize};
+
 /// Which of the cells around a cell are its neighbors.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Connectivity {
@@ -25,4 +27,17 @@ impl Connectivity {
             Self::Eight => &[(-1, -1), (0, -1), (1, -1), (-1, 0)],
         }
     }
+}
+
+/// When two cells that share only a corner are connected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DiagonalSteps {
+    /// If at least one of the two cells beside the step is free, so that no step crosses a diagonal wall.
+    #[default]
+    ThroughFree,
+    /// Always: plain 8-connectivity.
+    Any,
+    /// Never: 4-connectivity.
+    Never,
 }

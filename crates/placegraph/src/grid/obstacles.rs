@@ -1,6 +1,6 @@
 //! Obstacles: 8-connected groups of cells that are not free.
 
-use super::{Cell, Grid, Occupancy};
+use super::{Cell, CellGraph};
 
 /// Steps to the 8 cells around a cell. The last one is taken first, again and again: a search runs along a wall.
 const AROUND: [(i32, i32); 8] = [(-1, -1), (1, -1), (-1, 1), (1, 1), (0, -1), (-1, 0), (0, 1), (1, 0)];
@@ -8,13 +8,13 @@ const AROUND: [(i32, i32); 8] = [(-1, -1), (1, -1), (-1, 1), (1, 1), (0, -1), (-
 /// The obstacles of a map, found one by one where they are asked for.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacles<'a> {
-    cells: &'a Grid<Occupancy>,
+    graph: &'a CellGraph,
 }
 
 impl<'a> Obstacles<'a> {
-    /// The obstacles of `cells`.
-    pub fn of(cells: &'a Grid<Occupancy>) -> Self {
-        Self { cells }
+    /// The obstacles between the nodes of `graph`.
+    pub fn of(graph: &'a CellGraph) -> Self {
+        Self { graph }
     }
 
     /// The cells of the obstacle that `cell` belongs to, if it is at most `max_length` cells long and wide and does not reach the
@@ -24,7 +24,7 @@ impl<'a> Obstacles<'a> {
     /// # Panics
     /// If `cell` is free or outside the map.
     pub fn small_at(&self, cell: Cell, max_length: u32) -> Option<Vec<Cell>> {
-        assert!(self.cells[cell] != Occupancy::Free, "an obstacle is not free");
+        assert!(!self.graph.is_free(cell), "an obstacle is not free");
         let mut window = Window::around(cell, max_length);
         let (mut low, mut high) = (cell, cell);
         let mut members = Vec::new();
@@ -36,14 +36,15 @@ impl<'a> Obstacles<'a> {
             let is_long = (high.x - low.x).max(high.y - low.y) >= max_length;
             let is_cut = cell.x == 0
                 || cell.y == 0
-                || cell.x + 1 == self.cells.width()
-                || cell.y + 1 == self.cells.height();
+                || cell.x + 1 == self.graph.width()
+                || cell.y + 1 == self.graph.height();
             if is_long || is_cut {
                 return None;
             }
             members.push(cell);
-            let around = AROUND.iter().filter_map(|&step| self.cells.offset(cell, step));
-            open.extend(around.filter(|&next| self.cells[next] != Occupancy::Free && window.enter(next)));
+            // No cell beyond the border: the obstacle would have reached it.
+            let around = AROUND.iter().map(|&(x, y)| cell.moved(x, y));
+            open.extend(around.filter(|&next| !self.graph.is_free(next) && window.enter(next)));
         }
         Some(members)
     }
@@ -52,17 +53,16 @@ impl<'a> Obstacles<'a> {
     /// Cost: one pass over the map, and [`Obstacles::small_at`] for every first cell of an obstacle.
     pub fn small(&self, max_length: u32) -> Vec<Cell> {
         let mut small = Vec::new();
-        for y in 1..self.cells.height().saturating_sub(1) {
-            let [below, row] = [self.cells.row(y - 1), self.cells.row(y)];
-            let is_free = |cell: &Occupancy| *cell == Occupancy::Free;
-            for x in 1..row.len().saturating_sub(1) {
+        let is_free = |x, y| self.graph.is_free(Cell::new(x, y));
+        for y in 1..self.graph.height().saturating_sub(1) {
+            for x in 1..self.graph.width().saturating_sub(1) {
                 // The first cell of an obstacle, row by row, has none of it to its left and below.
                 let may_be_first =
-                    !is_free(&row[x]) && is_free(&row[x - 1]) && below[x - 1..=x + 1].iter().all(is_free);
+                    !is_free(x, y) && is_free(x - 1, y) && (x - 1..=x + 1).all(|x| is_free(x, y - 1));
                 if !may_be_first {
                     continue;
                 }
-                let cell = Cell::new(x as u32, y);
+                let cell = Cell::new(x, y);
                 let is_first =
                     |members: &Vec<Cell>| members.iter().all(|other| (other.y, other.x) >= (cell.y, cell.x));
                 small.extend(self.small_at(cell, max_length).filter(is_first).into_iter().flatten());
@@ -71,13 +71,9 @@ impl<'a> Obstacles<'a> {
         small
     }
 
-    /// The map without these obstacles: their cells are free.
-    pub fn cleared(&self, max_length: u32) -> Grid<Occupancy> {
-        let mut cleared = self.cells.clone();
-        for cell in self.small(max_length) {
-            cleared[cell] = Occupancy::Free;
-        }
-        cleared
+    /// The graph of the map without these obstacles: their cells are nodes too.
+    pub fn cleared(&self, max_length: u32) -> CellGraph {
+        self.graph.with_free(self.small(max_length))
     }
 }
 
@@ -105,10 +101,10 @@ impl Window {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::OccupancyGrid;
+    use crate::grid::{Grid, Occupancy, OccupancyGrid};
 
     /// A leg of one cell, a table of 3 x 2 with a hole, a diagonal of three, a wall that reaches the border.
-    fn map() -> Grid<Occupancy> {
+    fn map() -> CellGraph {
         let text = "
             ..............
             .#.......#....
@@ -120,7 +116,7 @@ mod tests {
             ##########....
             ..............
         ";
-        OccupancyGrid::from_ascii(1.0, text).cells
+        CellGraph::new(&OccupancyGrid::from_ascii(1.0, text).cells)
     }
 
     #[test]
@@ -128,8 +124,9 @@ mod tests {
         let map = map();
         let n_small = |max_length| Obstacles::of(&map).small(max_length).len();
         assert_eq!([1, 2, 3, 9, 100].map(n_small), [1, 1, 1 + 6 + 3, 10, 10]);
-        assert_eq!(Obstacles::of(&map).cleared(3)[Cell::new(5, 4)], Occupancy::Free);
-        assert_eq!(Obstacles::of(&map).cleared(3)[Cell::new(9, 1)], Occupancy::Occupied, "cut by the border");
+        assert!(Obstacles::of(&map).cleared(3).is_free(Cell::new(5, 4)));
+        assert!(!Obstacles::of(&map).cleared(3).is_free(Cell::new(9, 1)), "cut by the border");
+        assert_eq!(Obstacles::of(&map).cleared(3).n_nodes(), map.n_nodes() + 10);
     }
 
     #[test]
@@ -188,7 +185,7 @@ mod tests {
                 }
             }
             for max_length in [1, 2, 5, 12] {
-                let mut found = Obstacles::of(&map).small(max_length);
+                let mut found = Obstacles::of(&CellGraph::new(&map)).small(max_length);
                 found.sort_unstable();
                 assert_eq!(found, plainly(&map, max_length), "{percent} % and {max_length} cells");
             }

@@ -48,6 +48,11 @@ impl LabelField {
         &self.values
     }
 
+    /// All probabilities, to be changed in place: rows must stay distributions.
+    pub(crate) fn values_mut(&mut self) -> &mut [f32] {
+        &mut self.values
+    }
+
     /// The most probable label of every node; ties go to the lower label.
     pub fn most_likely(&self) -> Labeling {
         self.values.chunks_exact(self.n_labels).map(arg_max).collect()

@@ -1,12 +1,20 @@
 //! How the nodes of a map are labeled, whatever the method.
 
+use std::ops::Range;
+
 use super::{BoostedModel, Method, Model};
 use crate::amn;
-use crate::boost::{CompiledClassifiers, cell_scores};
-use crate::grid::{CellGraph, OccupancyGrid};
+use crate::boost::{CompiledClassifiers, DecisionList, cell_scores};
+use crate::grid::{Cell, CellGraph, OccupancyGrid};
 use crate::labels::{LabelField, Labeling};
 use crate::progress::{Progress, Stage};
-use crate::relax::relax;
+use crate::relax::relax_in_place;
+use crate::scan::ScanConfig;
+
+/// Cells that are classified at a time: what is stored of each meanwhile takes 32 bytes.
+const MIN_STRIP: usize = 1 << 20;
+/// Most strips of a map: each takes a pass over the map.
+const MAX_STRIPS: usize = 16;
 
 /// What a method says of the nodes of a map.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,15 +29,17 @@ pub struct Labeled {
 
 impl Model {
     /// Labels the nodes of `graph`, the free cells of `map`: [`Stage::Classify`] and [`Stage::Smooth`] of the pipeline.
+    ///
+    /// Memory of the boosted method, beside the result: 2 bytes a cell, or 32 MB.
     pub fn label(&self, map: &OccupancyGrid, graph: &CellGraph, progress: &dyn Progress) -> Labeled {
         progress.begin(Stage::Classify);
         match &self.method {
             Method::Boosted(BoostedModel { list, relaxation, compatibility }) => {
-                let classifiers = CompiledClassifiers::new(&list.classifiers);
-                let scores = cell_scores(map, graph.cells(), &classifiers, &self.scan, progress);
-                let classified = list.classify(&scores);
+                let n_nodes = MIN_STRIP.max(graph.n_nodes().div_ceil(MAX_STRIPS));
+                let classified = classify(map, graph, list, &self.scan, n_nodes, progress);
                 progress.begin(Stage::Smooth);
-                let smoothed = relax(graph, &classified, compatibility, relaxation).field;
+                let mut smoothed = classified.clone();
+                relax_in_place(graph, &mut smoothed, compatibility, relaxation);
                 Labeled { labeling: smoothed.most_likely(), classified, smoothed }
             }
             Method::Iamn(model) => {
@@ -39,5 +49,91 @@ impl Model {
                 Labeled { classified: found.alone, smoothed: found.field, labeling: found.labeling }
             }
         }
+    }
+}
+
+/// The distribution that `list` gives every node, in strips of about `n_nodes` nodes.
+fn classify(
+    map: &OccupancyGrid,
+    graph: &CellGraph,
+    list: &DecisionList,
+    scan: &ScanConfig,
+    n_nodes: usize,
+    progress: &dyn Progress,
+) -> LabelField {
+    let classifiers = CompiledClassifiers::new(&list.classifiers);
+    let mut values = Vec::with_capacity(graph.n_nodes() * classifiers.n_classes());
+    for rows in strips(graph, n_nodes) {
+        let done = graph.nodes_in_rows(rows.clone()).start;
+        let part = Part { whole: progress, done, total: graph.n_nodes() };
+        let cells: Vec<Cell> = graph.cells_in_rows(rows).collect();
+        let scores = cell_scores(map, &cells, &classifiers, scan, &part);
+        values.extend_from_slice(list.classify(&scores).values());
+    }
+    LabelField::from_rows(classifiers.n_classes(), values)
+}
+
+/// The rows of the map in strips of at least `n_nodes` nodes, but for the last. Scans are cast for 8 rows at a time.
+fn strips(graph: &CellGraph, n_nodes: usize) -> Vec<Range<u32>> {
+    let mut strips: Vec<Range<u32>> = Vec::new();
+    for y in (0..graph.height()).step_by(8) {
+        let end = graph.height().min(y + 8);
+        match strips.last_mut() {
+            Some(strip) if graph.nodes_in_rows(strip.clone()).len() < n_nodes => strip.end = end,
+            _ => strips.push(y..end),
+        }
+    }
+    strips
+}
+
+/// The progress of a part of a stage.
+struct Part<'a> {
+    whole: &'a dyn Progress,
+    done: usize,
+    total: usize,
+}
+
+impl Progress for Part<'_> {
+    fn begin(&self, stage: Stage) {
+        self.whole.begin(stage);
+    }
+
+    fn advance(&self, done: usize, _: usize) {
+        self.whole.advance(self.done + done, self.total);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::boost::{DecisionStump, Polarity, StrongClassifier, WeightedStump};
+    use crate::features::FeatureId;
+    use crate::grid::{Grid, Occupancy};
+    use crate::labels::Label;
+    use crate::progress::Silent;
+
+    #[test]
+    fn strips_of_any_size_give_the_same_distributions() {
+        let mut cells = Grid::filled(150, 90, Occupancy::Free);
+        for cell in cells.cells().filter(|cell| cell.x % 50 == 20 && cell.y % 40 > 9) {
+            cells[cell] = Occupancy::Occupied;
+        }
+        let map = OccupancyGrid { cells, ..OccupancyGrid::from_ascii(0.05, ".") };
+        let graph = CellGraph::new(&map.cells);
+        let classifier = |name: &str, threshold| {
+            let feature = FeatureId::from_name(name).unwrap();
+            let stump = DecisionStump { feature, threshold, polarity: Polarity::Below };
+            StrongClassifier { stumps: vec![WeightedStump { stump, alpha: 0.5 }] }
+        };
+        let list = DecisionList {
+            order: vec![Label(1), Label(0)],
+            classifiers: vec![classifier("A1", 1.0), classifier("B1", 9.0)],
+            temperature: 1.0,
+        };
+        let field = |n_nodes| classify(&map, &graph, &list, &ScanConfig::default(), n_nodes, &Silent);
+        let whole = field(usize::MAX);
+        assert!(strips(&graph, 1).len() == 12 && strips(&graph, usize::MAX).len() == 1);
+        assert!(field(1) == whole && field(3000) == whole);
+        assert!(whole.most_likely().contains(&Label(0)) && whole.most_likely().contains(&Label(1)));
     }
 }

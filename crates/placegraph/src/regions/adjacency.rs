@@ -2,9 +2,9 @@
 //!
 //! Cost: linear in runs, plus a sort of the touching pairs.
 
-use super::{RegionId, RegionMap, Runs};
+use super::{RegionId, RegionMap};
 use crate::geom::Point2;
-use crate::grid::CellGraph;
+use crate::grid::{CellGraph, Runs};
 
 /// Two regions that touch.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -15,9 +15,8 @@ use std::collections::{BTreeMap, BinaryHeap};
 
 use serde::{Deserialize, Serialize};
 
-use super::disjoint_sets::DisjointSets;
 use super::{Region, RegionId, RegionMap, contacts};
-use crate::grid::CellGraph;
+use crate::grid::{CellGraph, DisjointSets};
 use crate::labels::{Label, LabelSet, Role};
 
 /// When a region is too small for its class. The defaults are the chapter's.

@@ -33,12 +33,12 @@ pub fn islands(graph: &CellGraph, resolution_m: f64, regions: &RegionMap, min_m2
 /// coordinate; of several labels the one of most of them (ties: the lower label).
 ///
 /// Cost: for every cell of an island the square of cells around it that reaches so far.
-pub fn label_islands(graph: &CellGraph, regions: &RegionMap, islands: &[RegionId]) -> RegionMap {
+pub fn label_islands(graph: &CellGraph, mut regions: RegionMap, islands: &[RegionId]) -> RegionMap {
     let mut cells_of = vec![None; regions.regions.len()];
     for id in islands {
         cells_of[id.index()] = Some(Vec::new());
     }
-    for (&cell, id) in graph.cells().iter().zip(&regions.region_of) {
+    for (cell, id) in graph.cells_in_rows(0..graph.height()).zip(&regions.region_of) {
         if let Some(cells) = &mut cells_of[id.index()] {
             cells.push(cell);
         }
@@ -47,12 +47,12 @@ pub fn label_islands(graph: &CellGraph, regions: &RegionMap, islands: &[RegionId
         let region = regions.region_of[graph.node_at(cell)?];
         cells_of[region.index()].is_none().then(|| regions.regions[region.index()].label)
     };
-    let mut labeled = regions.clone();
-    for (region, cells) in labeled.regions.iter_mut().zip(&cells_of) {
-        let Some(cells) = cells else { continue };
-        region.label = nearest_label(graph, cells, of_mainland).unwrap_or(region.label);
+    let label_of = |cells: &Option<Vec<Cell>>| nearest_label(graph, cells.as_ref()?, of_mainland);
+    let labels: Vec<Option<Label>> = cells_of.iter().map(label_of).collect();
+    for (region, label) in regions.regions.iter_mut().zip(labels) {
+        region.label = label.unwrap_or(region.label);
     }
-    labeled
+    regions
 }
 
 /// The label that `label_at` knows most often on the smallest squares around `cells` on which it knows any.
@@ -125,7 +125,7 @@ mod tests {
         for id in [near_corridor, near_room, corner] {
             regions.regions[id.index()].label = Label(2);
         }
-        let labeled = label_islands(&graph, &regions, &[near_corridor, near_room, corner]);
+        let labeled = label_islands(&graph, regions.clone(), &[near_corridor, near_room, corner]);
         let label = |id: RegionId| labeled.regions[id.index()].label;
         assert_eq!([near_corridor, near_room, corner].map(label), [Label(0), Label(1), Label(1)]);
         assert_eq!(labeled.region_of, regions.region_of);

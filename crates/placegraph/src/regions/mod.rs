@@ -3,17 +3,14 @@
 mod adjacency;
 mod components;
 mod correction;
-mod disjoint_sets;
 mod islands;
 mod properties;
 mod region;
-mod runs;
 
+pub use crate::grid::DiagonalSteps;
 pub use adjacency::{Contact, contacts};
-pub(crate) use components::components;
-pub use components::{DiagonalSteps, connected};
+pub use components::connected;
 pub use correction::{Corrected, Relabeled, Thresholds, correct};
 pub use islands::{islands, label_islands};
 pub use properties::{RegionProperties, properties};
 pub use region::{Region, RegionId, RegionMap};
-pub(crate) use runs::Runs;

@@ -3,9 +3,9 @@
 //! Second moments include the spread of a cell itself, `resolution² / 12`, so a region of one cell has the
 //! axes of a square, not 0. Sums are exact integers. Cost: linear in runs.
 
-use super::{RegionMap, Runs};
+use super::RegionMap;
 use crate::geom::{EllipseAxes, Point2};
-use crate::grid::{CellGraph, MapFrame};
+use crate::grid::{CellGraph, MapFrame, Runs};
 
 /// Measures of a region, in the map frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,6 +3,7 @@
 mod compatibility;
 mod planes;
 mod relaxation;
+mod tile;
 
 pub use compatibility::{Compatibility, CompatibilityError, LEAST_COMPATIBLE, PairCounts, with_walls};
-pub use relaxation::{RelaxConfig, Relaxed, relax};
+pub use relaxation::{RelaxConfig, Relaxed, relax, relax_in_place};

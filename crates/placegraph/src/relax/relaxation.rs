@@ -1,7 +1,9 @@
 //! The relaxation iteration (Sect. 4.5, Eqs. 4.6 and 4.7): every cell's probabilities are moved toward what its eight
 //! neighbors support, all cells at once.
 //!
-//! Cost O(K² n) an iteration; memory 4 K bytes per cell of the free cells' bounding box, beside input and output.
+//! Cost O(K² n) an iteration. The iterations are made in passes over the map, several in each, in bands of rows and tiles
+//! that stay in cache (`tile.rs`); every value is computed by the same operations however the map is cut. In place:
+//! memory is an eighth of the field and a band a thread.
 //!
 //! Influence weights are o = 1/8 for each of the eight neighbors, also where some of them are walls or outside the
 //! map. Cells that are not free are wall with probability 1 and stay so: the update is multiplicative. They need no
@@ -16,21 +18,23 @@
 //! probabilities below 10⁻³⁰ become 0. A cell for which the neighbors rule out every label keeps its probabilities,
 //! which Eq. (4.6) leaves open.
 
-#![expect(clippy::inline_always, reason = "only what is inlined is compiled for several instruction sets")]
+use std::ops::Range;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::compatibility::Compatibility;
-use super::planes::{LANES, MARGIN, Planes};
+use super::planes::{LANES, Planes};
+use super::tile::{MAX_STEPS, Support, TILE_BLOCKS, Tile};
 use crate::grid::CellGraph;
 use crate::labels::{Label, LabelField};
 use crate::scan::Instructions;
 
-/// Rows that one thread steps through at a time. Part of no result: a step reads only the state before it.
-const BAND: usize = 32;
-/// Products below this are 0: denormal numbers are slow, and nothing can raise them again.
-const TINY: f32 = 1e-30;
+/// Iterations of a pass.
+const STEPS: u32 = 10;
+const _: () = assert!(STEPS <= MAX_STEPS);
+/// Fewest and most rows of a band, which one thread steps through at a time.
+const BAND: Range<u32> = 64..256;
 
 /// How long to iterate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -69,42 +73,55 @@ pub fn relax(
     compatibility: &Compatibility,
     config: &RelaxConfig,
 ) -> Relaxed {
-    assert_eq!(initial.n_nodes(), graph.n_nodes(), "a distribution per node");
-    assert_eq!(initial.n_labels(), compatibility.n_labels(), "compatibilities of the same labels");
-    match initial.n_labels() {
-        2 => relax_planes::<2>(graph, initial, compatibility, config),
-        3 => relax_planes::<3>(graph, initial, compatibility, config),
-        4 => relax_planes::<4>(graph, initial, compatibility, config),
-        5 => relax_planes::<5>(graph, initial, compatibility, config),
-        6 => relax_planes::<6>(graph, initial, compatibility, config),
-        7 => relax_planes::<7>(graph, initial, compatibility, config),
-        8 => relax_planes::<8>(graph, initial, compatibility, config),
+    let mut field = initial.clone();
+    let (iterations, last_change) = relax_in_place(graph, &mut field, compatibility, config);
+    Relaxed { field, iterations, last_change }
+}
+
+/// The same without a copy of the field: returns what else [`Relaxed`] tells, the number of iterations and the largest change
+/// in the last.
+///
+/// # Panics
+/// As [`relax`].
+pub fn relax_in_place(
+    graph: &CellGraph,
+    field: &mut LabelField,
+    compatibility: &Compatibility,
+    config: &RelaxConfig,
+) -> (u32, f32) {
+    assert_eq!(field.n_nodes(), graph.n_nodes(), "a distribution per node");
+    assert_eq!(field.n_labels(), compatibility.n_labels(), "compatibilities of the same labels");
+    match field.n_labels() {
+        2 => relax_labels::<2>(graph, field, compatibility, config),
+        3 => relax_labels::<3>(graph, field, compatibility, config),
+        4 => relax_labels::<4>(graph, field, compatibility, config),
+        5 => relax_labels::<5>(graph, field, compatibility, config),
+        6 => relax_labels::<6>(graph, field, compatibility, config),
+        7 => relax_labels::<7>(graph, field, compatibility, config),
+        8 => relax_labels::<8>(graph, field, compatibility, config),
         other => unreachable!("a label set has 2 to 8 classes, not {other}"),
     }
 }
 
-fn relax_planes<const K: usize>(
+fn relax_labels<const K: usize>(
     graph: &CellGraph,
-    initial: &LabelField,
+    field: &mut LabelField,
     compatibility: &Compatibility,
     config: &RelaxConfig,
-) -> Relaxed {
-    if graph.n_nodes() == 0 {
-        return Relaxed { field: initial.clone(), iterations: 0, last_change: 0.0 };
-    }
+) -> (u32, f32) {
     let support = Support::<K>::new(compatibility);
-    let mut planes = Planes::new(graph, initial);
-    let mut stability = config.patience.map(|patience| Stability::new(patience, initial));
-    let mut last_change = 0.0;
-    let mut iterations = 0;
-    while iterations < config.iterations {
-        last_change = step(&mut planes, &support);
-        iterations += 1;
-        if stability.as_mut().is_some_and(|stability| stability.reached(&planes.field(graph))) {
+    let mut stability = config.patience.map(|patience| Stability::new(patience, field));
+    let (mut iterations, mut last_change) = (0, 0.0);
+    while iterations < config.iterations && graph.n_nodes() > 0 {
+        // Labels are looked at after every iteration.
+        let steps = if stability.is_some() { 1 } else { STEPS.min(config.iterations - iterations) };
+        last_change = pass(graph, field.values_mut(), &support, steps);
+        iterations += steps;
+        if stability.as_mut().is_some_and(|stability| stability.reached(field)) {
             break;
         }
     }
-    Relaxed { field: planes.field(graph), iterations, last_change }
+    (iterations, last_change)
 }
 
 /// Watches for labels that no longer change.
@@ -127,141 +144,73 @@ impl Stability {
     }
 }
 
-/// The coefficients of 1 + q(k) as a linear function of the neighbors' sums B.
-struct Support<const K: usize> {
-    base: [f32; K],
-    weights: [[f32; K]; K],
-}
-
-impl<const K: usize> Support<K> {
-    fn new(r: &Compatibility) -> Self {
-        let label = |k: usize| Label(k as u8);
-        let wall = |k: usize| r.r(label(k), r.wall());
-        let weight = |k: usize, other: usize| ((r.r(label(k), label(other)) - wall(k)) / 8.0) as f32;
-        Self {
-            base: std::array::from_fn(|k| (1.0 + wall(k)) as f32),
-            weights: std::array::from_fn(|k| std::array::from_fn(|other| weight(k, other))),
-        }
-    }
-}
-
-/// One iteration over all cells; the largest change of a probability.
-///
-/// In place: a band of rows keeps copies of the rows that it has overwritten, and of its neighbor bands' edges.
-fn step<const K: usize>(planes: &mut Planes, support: &Support<K>) -> f32 {
-    let (stride, row_len) = (planes.stride, planes.row_len());
-    let band_len = BAND * row_len;
-    let outside = vec![0.0; row_len];
-    let edges: Vec<(Vec<f32>, Vec<f32>)> = planes
-        .values
-        .par_chunks(band_len)
-        .map(|band| (band[..row_len].to_vec(), band[band.len() - row_len..].to_vec()))
+/// `steps` iterations over all cells; the largest change of a probability in the last of them.
+fn pass<const K: usize>(graph: &CellGraph, field: &mut [f32], support: &Support<K>, steps: u32) -> f32 {
+    let height = graph.height();
+    let n_rows = height.div_ceil(4 * rayon::current_num_threads() as u32).clamp(BAND.start, BAND.end);
+    let bands = (0..height).step_by(n_rows as usize).map(|y| y..height.min(y + n_rows));
+    let nodes_of = |rows: Range<u32>| {
+        let nodes = graph.nodes_in_rows(rows);
+        nodes.start * K..nodes.end * K
+    };
+    // What a band sees of the bands below and above it, before any of them changes.
+    let halos: Vec<_> = bands
+        .map(|rows| {
+            let below = rows.start.saturating_sub(steps)..rows.start;
+            let above = rows.end..height.min(rows.end + steps);
+            let [below, above] = [below, above].map(|rows| (rows.clone(), field[nodes_of(rows)].to_vec()));
+            (below, rows, above)
+        })
         .collect();
-    let bands = planes.values.par_chunks_mut(band_len).zip(planes.runs.par_chunks(BAND)).enumerate();
+    let mut rest = field;
+    let mut own = Vec::with_capacity(halos.len());
+    for (_, rows, _) in &halos {
+        let (values, after) = rest.split_at_mut(nodes_of(rows.clone()).len());
+        own.push(values);
+        rest = after;
+    }
+    let bands = own.into_par_iter().zip(halos);
     bands
-        .map(|(number, (band, runs))| {
-            let below = number.checked_sub(1).map_or(&outside, |n| &edges[n].1);
-            let above = edges.get(number + 1).map_or(&outside, |edge| &edge.0);
-            Instructions::default().run(
-                #[inline(always)]
-                || step_band(band, runs, below, above, stride, support),
-            )
+        .map(|(values, (below, rows, above))| {
+            let mut planes = Planes::new(graph, below.0.start..above.0.end, K);
+            for (rows, values) in [(below.0, &*below.1), (rows.clone(), &*values), (above.0, &*above.1)] {
+                planes.fill(graph, rows, values);
+            }
+            relax_band(graph, rows, &planes, support, steps, values)
         })
         .reduce(|| 0.0, f32::max)
 }
 
-/// One iteration over the rows of a band, given the rows below and above it as they were before.
-#[inline(always)]
-fn step_band<const K: usize>(
-    band: &mut [f32],
-    runs: &[Vec<(u32, u32)>],
-    below: &[f32],
-    above: &[f32],
-    stride: usize,
+/// The band of `rows`, tile by tile, from `planes` into `field`.
+fn relax_band<const K: usize>(
+    graph: &CellGraph,
+    rows: Range<u32>,
+    planes: &Planes,
     support: &Support<K>,
+    steps: u32,
+    field: &mut [f32],
 ) -> f32 {
-    let row_len = K * stride;
-    let mut below = below.to_vec();
-    let mut old = vec![0.0; row_len];
-    let mut columns = vec![0.0; row_len];
-    let mut change = [0.0; LANES];
-    for (row, runs) in runs.iter().enumerate() {
-        let (done, rest) = band.split_at_mut((row + 1) * row_len);
-        let current = &mut done[row * row_len..];
-        let above = if rest.is_empty() { above } else { &rest[..row_len] };
-        old.copy_from_slice(current);
-        for &(first, end) in runs {
-            let span = first as usize * LANES..end as usize * LANES + 2 * MARGIN;
-            sum_columns::<K>(&mut columns, [&below, &old, above], stride, span);
-            for block in first as usize..end as usize {
-                update_block(current, &columns, stride, block * LANES + MARGIN, support, &mut change);
+    let first_node = graph.nodes_in_rows(rows.clone()).start;
+    let tiles = (0..planes.n_blocks).step_by(TILE_BLOCKS);
+    let mut relax_tile = |start: usize| {
+        let blocks = start..planes.n_blocks.min(start + TILE_BLOCKS);
+        let columns = (blocks.start * LANES) as u32..graph.width().min((blocks.end * LANES) as u32);
+        let tile = Tile { rows: rows.clone(), blocks, height: graph.height(), steps };
+        let stride = tile.stride();
+        let store = |y: u32, row: &[f32]| {
+            let node = graph.n_nodes_before(y, columns.start) - first_node;
+            let out = field[node * K..].chunks_exact_mut(K);
+            for (x, out) in graph.columns(y, columns.clone()).zip(out) {
+                let at = (x - columns.start) as usize + LANES + 1;
+                for (k, p) in out.iter_mut().enumerate() {
+                    *p = row[k * stride + at];
+                }
             }
-        }
-        std::mem::swap(&mut below, &mut old);
-    }
-    change.into_iter().fold(0.0, f32::max)
-}
-
-/// Sums of three cells, one above the other: half of the separable 3 × 3 sum.
-#[inline(always)]
-fn sum_columns<const K: usize>(
-    columns: &mut [f32],
-    rows: [&[f32]; 3],
-    stride: usize,
-    span: std::ops::Range<usize>,
-) {
-    for k in 0..K {
-        let span = k * stride + span.start..k * stride + span.end;
-        let [below, middle, above] = rows.map(|row| &row[span.clone()]);
-        for (((sum, a), b), c) in columns[span].iter_mut().zip(below).zip(middle).zip(above) {
-            *sum = (a + b) + c;
-        }
-    }
-}
-
-/// Eqs. (4.7) and (4.6) for sixteen neighboring cells.
-#[expect(clippy::needless_range_loop, reason = "indices k, k' and i read like the equations")]
-#[inline(always)]
-fn update_block<const K: usize>(
-    current: &mut [f32],
-    columns: &[f32],
-    stride: usize,
-    at: usize,
-    support: &Support<K>,
-    change: &mut [f32; LANES],
-) {
-    let mut p = [[0.0f32; LANES]; K];
-    let mut neighbors = [[0.0f32; LANES]; K];
-    for k in 0..K {
-        let start = k * stride + at;
-        p[k].copy_from_slice(&current[start..start + LANES]);
-        let window = &columns[start - 1..=start + LANES];
-        for i in 0..LANES {
-            neighbors[k][i] = ((window[i] + window[i + 1]) + window[i + 2]) - p[k][i];
-        }
-    }
-    let mut product = [[0.0f32; LANES]; K];
-    let mut sum = [0.0f32; LANES];
-    for k in 0..K {
-        let mut one_plus_q = [support.base[k]; LANES];
-        for other in 0..K {
-            // Eq. (4.7)
-            for i in 0..LANES {
-                one_plus_q[i] += support.weights[k][other] * neighbors[other][i];
-            }
-        }
-        for i in 0..LANES {
-            let value = p[k][i] * one_plus_q[i];
-            product[k][i] = if value > TINY { value } else { 0.0 };
-            sum[i] += product[k][i];
-        }
-    }
-    for k in 0..K {
-        let start = k * stride + at;
-        for (i, new) in current[start..start + LANES].iter_mut().enumerate() {
-            // Eq. (4.6)
-            *new = if sum[i] > 0.0 { product[k][i] / sum[i] } else { p[k][i] };
-            change[i] = change[i].max((*new - p[k][i]).abs());
-        }
-    }
+        };
+        Instructions::default().run(
+            #[inline(always)]
+            || tile.relax(planes, support, store),
+        )
+    };
+    tiles.fold(0.0, |largest, start| relax_tile(start).max(largest))
 }

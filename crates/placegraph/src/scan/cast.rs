@@ -1,8 +1,10 @@
 //! A single scan, for examples and pictures; many cells go through [`RayCaster`](super::RayCaster).
 
+use std::collections::BTreeSet;
+
 use super::path::{Octant, octant_path};
 use super::{N_BEAMS, RangeScan, ScanConfig, UnknownCells};
-use crate::grid::{Cell, Obstacles, Occupancy, OccupancyGrid};
+use crate::grid::{Cell, CellGraph, Obstacles, Occupancy, OccupancyGrid};
 
 /// The scan that a robot in the center of `cell` sees, aligned with the grid's axes.
 ///
@@ -23,12 +25,17 @@ pub fn cast(grid: &OccupancyGrid, cell: Cell, config: &ScanConfig) -> RangeScan 
     let range_max_cells = config.range_max_m / grid.frame.resolution_m();
     let n_max = grid.cells.width() as usize + grid.cells.height() as usize;
     let max_speck = config.max_speck_cells(grid.frame.resolution_m());
-    let cleared = (max_speck > 0).then(|| Obstacles::of(&grid.cells).cleared(max_speck));
-    let cells = cleared.as_ref().unwrap_or(&grid.cells);
-    let stops = |x: i32, y: i32| match cells.offset(cell, (x, y)).map(|at| cells[at]) {
-        Some(Occupancy::Free) => false,
-        Some(Occupancy::Unknown) => config.unknown == UnknownCells::Stop,
-        Some(Occupancy::Occupied) | None => true,
+    let graph = (max_speck > 0).then(|| CellGraph::new(&grid.cells));
+    let specks: BTreeSet<Cell> =
+        graph.iter().flat_map(|graph| Obstacles::of(graph).small(max_speck)).collect();
+    let stops = |x: i32, y: i32| match grid.cells.offset(cell, (x, y)) {
+        Some(at) if specks.contains(&at) => false,
+        Some(at) => match grid.cells[at] {
+            Occupancy::Free => false,
+            Occupancy::Unknown => config.unknown == UnknownCells::Stop,
+            Occupancy::Occupied => true,
+        },
+        None => true,
     };
     let ranges = (0..N_BEAMS).map(|beam| {
         let octant = Octant::of(beam);

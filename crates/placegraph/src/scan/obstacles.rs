@@ -1,7 +1,7 @@
 //! The map as one bit per cell: 1 stops a beam.
 
 use super::{ScanConfig, UnknownCells};
-use crate::grid::{self, Cell, Occupancy, OccupancyGrid};
+use crate::grid::{self, Cell, CellGraph, Occupancy, OccupancyGrid};
 
 /// Cells in a word, along a row.
 pub(super) const WORD: usize = u64::BITS as usize;
@@ -44,7 +44,7 @@ impl Obstacles {
         let mut obstacles = Self { words, rows };
         let max_speck = config.max_speck_cells(grid.frame.resolution_m());
         if max_speck > 0 {
-            for cell in grid::Obstacles::of(&grid.cells).small(max_speck) {
+            for cell in grid::Obstacles::of(&CellGraph::new(&grid.cells)).small(max_speck) {
                 let position = obstacles.position(cell);
                 obstacles.words[position] &= !(1 << (cell.x as usize % WORD));
             }

@@ -32,16 +32,17 @@ pub fn build(
     let properties = properties(graph, frame, regions);
     let contacts = contacts(graph, regions);
     let centroids: Vec<Point2> = properties.iter().map(|p| frame.cells_from_map(p.centroid)).collect();
-    let anchors = anchors(graph, regions, &centroids);
-    let outlines = outlines(graph, frame, regions);
-    let probabilities = mean_probabilities(field, regions);
+    let (outlines, (anchors, probabilities)) = rayon::join(
+        || outlines(graph, frame, regions),
+        || (anchors(graph, regions, &centroids), mean_probabilities(field, regions)),
+    );
     let neighbors = neighbors_by_contact(regions, &contacts);
 
     let place = |(index, outline): (usize, Vec<PolygonWithHoles>)| {
         let region = regions.regions[index];
         let class = label_set.class(region.label);
         let id = place_id(RegionId(index as u32));
-        let anchor = graph.cells()[anchors[index]];
+        let anchor = graph.cell(anchors[index]);
         let doorway = (class.role == Role::Doorway).then(|| {
             let anchor = Point2::new(anchor.x as f64 + 0.5, anchor.y as f64 + 0.5);
             let is_own = |node: usize| regions.region_of[node].index() == index;

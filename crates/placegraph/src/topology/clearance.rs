@@ -19,7 +19,7 @@ pub(super) fn anchors(graph: &CellGraph, regions: &RegionMap, centroids: &[Point
             if squared < best[region].0 {
                 continue;
             }
-            let cell = graph.cells()[node];
+            let cell = graph.cell(node);
             let center = Point2::new(cell.x as f64 + 0.5, cell.y as f64 + 0.5);
             let from_centroid = center.distance(centroids[region]);
             if squared > best[region].0 || from_centroid < best[region].1 {
@@ -74,7 +74,7 @@ mod tests {
         let regions = connected(&graph, &[Label(0); 17], DiagonalSteps::ThroughFree);
         // Distance 2 in the middle row; (2, 1) is nearest to the centroid.
         let anchor = anchors(&graph, &regions, &[Point2::new(2.2, 1.7)])[0];
-        assert_eq!(graph.cells()[anchor], Cell::new(2, 1));
+        assert_eq!(graph.cell(anchor), Cell::new(2, 1));
         assert!((clearance_cells(&graph, &regions, anchor) - 1.5).abs() < 1e-12);
     }
 }

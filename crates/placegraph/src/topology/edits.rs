@@ -26,7 +26,7 @@ use super::segments_cross;
 use crate::geom::Point2;
 use crate::grid::{Cell, CellGraph, Connectivity, MapFrame};
 use crate::labels::{Label, LabelSet, Role};
-use crate::regions::{Region, RegionId, RegionMap};
+use crate::regions::{DiagonalSteps, Region, RegionId, RegionMap};
 
 /// An edit file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -186,19 +186,23 @@ pub fn apply(
     frame: &MapFrame,
     graph: &CellGraph,
     labels: &LabelSet,
-    regions: &RegionMap,
+    regions: RegionMap,
     edits: &[Edit],
 ) -> Edited {
+    if edits.is_empty() {
+        return Edited { regions, names: BTreeMap::new(), outcomes: Vec::new() };
+    }
+    let diagonal = regions.diagonal;
     let mut editor = Editor {
         frame,
         graph,
         labels,
-        region_of: regions.region_of.clone(),
         label_of: regions.regions.iter().map(|region| region.label).collect(),
+        region_of: regions.region_of,
         names: BTreeMap::new(),
     };
     let outcomes = edits.iter().map(|edit| editor.apply(edit)).collect();
-    let (regions, names) = editor.finish(regions);
+    let (regions, names) = editor.finish(diagonal);
     Edited { regions, names, outcomes }
 }
 
@@ -375,7 +379,7 @@ impl Editor<'_> {
             while let Some(&node) = part.get(done) {
                 done += 1;
                 for next in self.graph.neighbors(node, Connectivity::Eight) {
-                    let [from, to] = [node, next].map(|node| self.graph.cells()[node]);
+                    let [from, to] = [node, next].map(|node| self.graph.cell(node));
                     if self.region_of[next] == region && !part_of.contains_key(&next) && !is_cut(from, to) {
                         part_of.insert(next, parts.len());
                         part.push(next);
@@ -395,7 +399,7 @@ impl Editor<'_> {
     }
 
     /// Numbers the regions by their first node again.
-    fn finish(self, before: &RegionMap) -> (RegionMap, BTreeMap<RegionId, String>) {
+    fn finish(self, diagonal: DiagonalSteps) -> (RegionMap, BTreeMap<RegionId, String>) {
         let mut number = vec![None; self.label_of.len()];
         let mut regions: Vec<Region> = Vec::new();
         let mut names = BTreeMap::new();
@@ -413,6 +417,6 @@ impl Editor<'_> {
                 id
             })
             .collect();
-        (RegionMap { region_of, regions, diagonal: before.diagonal }, names)
+        (RegionMap { region_of, regions, diagonal }, names)
     }
 }

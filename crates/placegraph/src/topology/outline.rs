@@ -6,8 +6,8 @@
 
 use super::PolygonWithHoles;
 use crate::geom::Point2;
-use crate::grid::{Cell, CellGraph, MapFrame};
-use crate::regions::{DiagonalSteps, RegionMap, Runs, components};
+use crate::grid::{Cell, CellGraph, DiagonalSteps, MapFrame, Runs, components};
+use crate::regions::RegionMap;
 
 /// The outline of every region, in the map frame.
 pub(super) fn outlines(
@@ -18,8 +18,7 @@ pub(super) fn outlines(
     let parts = Parts::new(graph, regions);
     let mut polygons: Vec<Option<PolygonWithHoles>> = vec![None; parts.region_of.len()];
     let mut is_walked = vec![false; graph.n_nodes()];
-    for node in 0..graph.n_nodes() {
-        let cell = graph.cells()[node];
+    for (node, cell) in graph.cells_in_rows(0..graph.height()).enumerate() {
         let part = parts.part_of[node];
         // Every ring has a side at the bottom of a cell.
         if is_walked[node] || parts.at(graph, cell.x as i64, cell.y as i64 - 1) == Some(part) {
@@ -51,9 +50,9 @@ impl Parts {
         let (part_of_run, n_parts) = components(&runs, DiagonalSteps::Never);
         let mut part_of = Vec::with_capacity(graph.n_nodes());
         let mut region_of = vec![0; n_parts];
-        for (run, part) in runs.all().iter().zip(&part_of_run) {
-            part_of.resize(run.nodes().end, part.0);
-            region_of[part.index()] = run.value;
+        for (run, part) in runs.all().iter().zip(part_of_run) {
+            part_of.resize(run.nodes().end, part);
+            region_of[part as usize] = run.value;
         }
         Self { part_of, region_of }
     }

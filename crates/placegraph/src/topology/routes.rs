@@ -4,15 +4,18 @@
 //! route of a connection crosses the common border where the two ways together are cheapest, and is then pulled
 //! straight. Steps near walls cost more, up to twice as much at the wall itself.
 //!
-//! Cost: one search over the free cells, `O(n log n)`; the pulling is quadratic in the cells of a route.
+//! Cost: one search over the free cells, linear in them but for sorting those of equal cost; the pulling is quadratic in the
+//! cells of a route. Memory: 6 bytes a node.
 
-use std::cmp::Reverse;
-use std::collections::{BTreeMap, BinaryHeap};
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+
+use rayon::prelude::*;
 
 use super::segment::all_touched;
 use super::{Route, TopologicalMap};
 use crate::geom::Point2;
-use crate::grid::{Cell, CellGraph, Connectivity, MapFrame};
+use crate::grid::{Cell, CellGraph, Connectivity, MapFrame, NO_NODE};
 use crate::regions::{RegionId, RegionMap};
 
 /// Walls farther than this do not make a step dearer, in meters.
@@ -86,55 +89,67 @@ impl<'a> Walks<'a> {
             cost: Vec::new(),
             back: Vec::new(),
         };
-        (walks.cost, walks.back) = walks.search(&walks.stations, None, |from, to| {
-            walks.regions.region_of[from] == walks.regions.region_of[to]
-        });
+        (walks.cost, walks.back) = walks.search();
         walks
     }
 
-    /// Dijkstra's search from `sources` along steps that `may_step` allows, until `target` is reached.
-    fn search(
-        &self,
-        sources: &[usize],
-        target: Option<usize>,
-        may_step: impl Fn(usize, usize) -> bool,
-    ) -> (Vec<u32>, Vec<u8>) {
-        let mut cost = vec![UNREACHED; self.graph.n_nodes()];
-        let mut back = vec![0; self.graph.n_nodes()];
-        let mut queue = BinaryHeap::new();
-        for &source in sources {
-            cost[source] = 0;
-            queue.push(Reverse((0, source)));
-        }
-        while let Some(Reverse((so_far, node))) = queue.pop() {
-            if so_far > cost[node] {
-                continue;
-            }
-            if target == Some(node) {
-                break;
-            }
-            for (position, &step) in Connectivity::Eight.steps().iter().enumerate() {
-                let Some(next) = self.step(node, step).filter(|&next| may_step(node, next)) else { continue };
-                let total = so_far.saturating_add(self.step_cost(next, step));
-                if total < cost[next] {
-                    cost[next] = total;
-                    // The steps are symmetric: the opposite stands at the mirrored position.
-                    back[next] = (Connectivity::Eight.steps().len() - 1 - position) as u8;
-                    queue.push(Reverse((total, next)));
+    /// Dijkstra's search from the station of every region to all its nodes, regions in parallel: no two write to one place.
+    fn search(&self) -> (Vec<u32>, Vec<u8>) {
+        let cost: Vec<_> = (0..self.graph.n_nodes()).map(|_| AtomicU32::new(UNREACHED)).collect();
+        let back: Vec<_> = (0..self.graph.n_nodes()).map(|_| AtomicU8::new(0)).collect();
+        let regions = self.stations.par_iter().enumerate();
+        regions
+            .filter(|&(region, &station)| self.regions.region_of[station].index() == region)
+            .for_each_init(Queue::new, |queue, (region, &station)| {
+                cost[station].store(0, Ordering::Relaxed);
+                queue.start(self.position(station));
+                while let Some((so_far, position)) = queue.pop() {
+                    let around = self.around(position);
+                    if so_far > cost[around[1][1] as usize].load(Ordering::Relaxed) {
+                        continue;
+                    }
+                    for (step, next, step_cost) in self.steps(around) {
+                        let total = so_far.saturating_add(step_cost);
+                        let is_own = self.regions.region_of[next].index() == region;
+                        if is_own && total < cost[next].load(Ordering::Relaxed) {
+                            cost[next].store(total, Ordering::Relaxed);
+                            back[next].store(opposite(step), Ordering::Relaxed);
+                            queue.push(total, self.beside(position, step));
+                        }
+                    }
                 }
-            }
-        }
-        (cost, back)
+            });
+        let cost = cost.into_iter().map(AtomicU32::into_inner).collect();
+        (cost, back.into_iter().map(AtomicU8::into_inner).collect())
     }
 
-    /// The node one `step` away; a diagonal step needs both cells beside it to be free.
-    fn step(&self, node: usize, step: (i32, i32)) -> Option<usize> {
-        let next = self.graph.node_at_step(node, step)?;
-        if step.0 != 0 && step.1 != 0 {
-            self.graph.node_at_step(node, (step.0, 0))?;
-            self.graph.node_at_step(node, (0, step.1))?;
-        }
-        Some(next)
+    /// The row-major position of a node's cell: in the same order as the nodes, and its neighbors are found sooner.
+    fn position(&self, node: usize) -> u32 {
+        let cell = self.graph.cell(node);
+        cell.y * self.graph.width() + cell.x
+    }
+
+    /// The position one step away, which is in the map.
+    fn beside(&self, position: u32, step: usize) -> u32 {
+        let (x, y) = Connectivity::Eight.steps()[step];
+        position.wrapping_add_signed(y * self.graph.width() as i32 + x)
+    }
+
+    fn around(&self, position: u32) -> [[u32; 3]; 3] {
+        self.graph.around(Cell::new(position % self.graph.width(), position / self.graph.width()))
+    }
+
+    /// The steps from the cell in the middle of `around`: number in the steps of [`Connectivity::Eight`], the node there, the cost. A
+    /// diagonal step needs both cells beside it to be free.
+    fn steps(&self, around: [[u32; 3]; 3]) -> impl Iterator<Item = (usize, usize, u32)> + '_ {
+        let steps = Connectivity::Eight.steps().iter().enumerate();
+        steps.filter_map(move |(number, &step)| {
+            let at = |x: i32, y: i32| around[(y + 1) as usize][(x + 1) as usize];
+            let (x, y) = step;
+            let next = at(x, y);
+            let is_cut = next == NO_NODE || at(x, 0) == NO_NODE || at(0, y) == NO_NODE;
+            (!is_cut).then(|| (number, next as usize, self.step_cost(next as usize, step)))
+        })
     }
 
     fn step_cost(&self, to: usize, step: (i32, i32)) -> u32 {
@@ -146,49 +161,93 @@ impl<'a> Walks<'a> {
     /// The cheapest crossing of every border between two regions.
     fn portals(&self) -> BTreeMap<(RegionId, RegionId), Portal> {
         let mut portals: BTreeMap<(RegionId, RegionId), Portal> = BTreeMap::new();
-        for node in 0..self.graph.n_nodes() {
-            for step in [(1, 0), (0, 1)] {
-                let Some(next) = self.graph.node_at_step(node, step) else { continue };
-                let [here, there] = [node, next].map(|node| self.regions.region_of[node]);
-                if here == there || self.cost[node] == UNREACHED || self.cost[next] == UNREACHED {
-                    continue;
-                }
-                let cost = self.cost[node]
-                    .saturating_add(self.cost[next])
-                    .saturating_add(self.step_cost(next, step));
-                let nodes = if here < there { [node, next] } else { [next, node] };
-                let best = portals
-                    .entry((here.min(there), here.max(there)))
-                    .or_insert(Portal { cost: UNREACHED, nodes });
-                if cost < best.cost {
-                    *best = Portal { cost, nodes };
+        let width = self.graph.width() as usize;
+        let (mut row, mut above) = (vec![NO_NODE; width], vec![NO_NODE; width]);
+        self.graph.fill_row(0, &mut above);
+        for y in 0..self.graph.height() {
+            std::mem::swap(&mut row, &mut above);
+            if y + 1 < self.graph.height() {
+                self.graph.fill_row(y + 1, &mut above);
+            } else {
+                above.fill(NO_NODE);
+            }
+            for x in (0..width).filter(|&x| row[x] != NO_NODE) {
+                let right = row.get(x + 1).copied().unwrap_or(NO_NODE);
+                for (step, next) in [((1, 0), right), ((0, 1), above[x])] {
+                    if next != NO_NODE {
+                        self.add_portal(&mut portals, [row[x] as usize, next as usize], step);
+                    }
                 }
             }
         }
         portals
     }
 
+    /// Adds the crossing between two neighboring nodes if it is the cheapest of its border so far.
+    fn add_portal(
+        &self,
+        portals: &mut BTreeMap<(RegionId, RegionId), Portal>,
+        [node, next]: [usize; 2],
+        step: (i32, i32),
+    ) {
+        let [here, there] = [node, next].map(|node| self.regions.region_of[node]);
+        if here == there || self.cost[node] == UNREACHED || self.cost[next] == UNREACHED {
+            return;
+        }
+        let cost = self.cost[node].saturating_add(self.cost[next]).saturating_add(self.step_cost(next, step));
+        let nodes = if here < there { [node, next] } else { [next, node] };
+        let pair = (here.min(there), here.max(there));
+        let best = portals.entry(pair).or_insert(Portal { cost: UNREACHED, nodes });
+        if cost < best.cost {
+            *best = Portal { cost, nodes };
+        }
+    }
+
     /// From the station of the first node's region through both nodes to the station of the second's.
     fn path_through(&self, nodes: [usize; 2]) -> Vec<usize> {
-        let mut path = self.walk_back(nodes[0], &self.cost, &self.back);
+        let way = |node: usize| (self.cost[node] > 0).then(|| self.back[node]);
+        let mut path = self.walk_back(nodes[0], way);
         path.reverse();
-        path.extend(self.walk_back(nodes[1], &self.cost, &self.back));
+        path.extend(self.walk_back(nodes[1], way));
         path
     }
 
-    /// From station to station through whatever is free.
+    /// From station to station through whatever is free. Cost: that of the cells that are nearer; these stand in a tree, so that
+    /// a short way costs nothing for the rest of the map.
     fn detour(&self, pair: [RegionId; 2]) -> Option<Vec<usize>> {
         let [from, to] = pair.map(|region| self.stations[region.index()]);
-        let (cost, back) = self.search(&[to], Some(from), |_, _| true);
-        (cost[from] != UNREACHED).then(|| self.walk_back(from, &cost, &back))
+        let mut reached = BTreeMap::from([(to, (0, 0))]);
+        let mut queue = Queue::new();
+        queue.start(self.position(to));
+        while let Some((so_far, position)) = queue.pop() {
+            let around = self.around(position);
+            let node = around[1][1] as usize;
+            if so_far > reached[&node].0 {
+                continue;
+            }
+            if node == from {
+                let way =
+                    |node: usize| reached.get(&node).filter(|(cost, _)| *cost > 0).map(|(_, back)| *back);
+                return Some(self.walk_back(from, way));
+            }
+            for (step, next, step_cost) in self.steps(around) {
+                let total = so_far.saturating_add(step_cost);
+                let known = reached.entry(next).or_insert((UNREACHED, 0));
+                if total < known.0 {
+                    *known = (total, opposite(step));
+                    queue.push(total, self.beside(position, step));
+                }
+            }
+        }
+        None
     }
 
-    /// The nodes from `node` to the station that its way leads to.
-    fn walk_back(&self, node: usize, cost: &[u32], back: &[u8]) -> Vec<usize> {
+    /// The nodes from `node` to the station that its way leads to; `way` gives the step from a node on it.
+    fn walk_back(&self, node: usize, way: impl Fn(usize) -> Option<u8>) -> Vec<usize> {
         let mut path = vec![node];
         let mut last = node;
-        while cost[last] > 0 {
-            let step = Connectivity::Eight.steps()[back[last] as usize];
+        while let Some(position) = way(last) {
+            let step = Connectivity::Eight.steps()[position as usize];
             let Some(next) = self.graph.node_at_step(last, step) else { break };
             path.push(next);
             last = next;
@@ -200,7 +259,7 @@ impl<'a> Walks<'a> {
     /// the two regions, none nearer to a wall than the cells they replace. In cells.
     fn pulled_straight(&self, path: &[usize], pair: [RegionId; 2]) -> Vec<Point2> {
         let center = |position: usize| {
-            let cell = self.graph.cells()[path[position]];
+            let cell = self.graph.cell(path[position]);
             Point2::new(cell.x as f64 + 0.5, cell.y as f64 + 0.5)
         };
         let mut line = vec![center(0)];
@@ -248,20 +307,82 @@ fn node_near(frame: &MapFrame, graph: &CellGraph, point: Point2) -> Option<usize
 /// Chessboard distance of every node to the nearest cell that is not free, at most `most`: two sweeps.
 fn clearance(graph: &CellGraph, most: u8) -> Vec<u8> {
     let mut clearance = vec![most; graph.n_nodes()];
-    let near = |clearance: &[u8], node: usize, steps: &mut dyn Iterator<Item = (i32, i32)>| {
-        steps
-            .map(|step| graph.node_at_step(node, step).map_or(1, |next| clearance[next].saturating_add(1)))
-            .min()
+    let width = graph.width() as usize;
+    // The row before, with a column that is not free at both ends.
+    let (mut before, mut row, mut nodes) = (vec![0u8; width + 2], vec![0; width + 2], vec![NO_NODE; width]);
+    let mut sweep = |rows: &mut dyn Iterator<Item = u32>, columns: &dyn Fn(usize) -> usize, back: isize| {
+        before.fill(0);
+        for y in rows {
+            graph.fill_row(y, &mut nodes);
+            row.fill(0);
+            for x in (0..width).map(columns).filter(|&x| nodes[x] != NO_NODE) {
+                let beside = row[(x + 1).wrapping_add_signed(back)];
+                let nearest = before[x].min(before[x + 1]).min(before[x + 2]).min(beside);
+                let own = &mut clearance[nodes[x] as usize];
+                *own = nearest.saturating_add(1).min(*own);
+                row[x + 1] = *own;
+            }
+            std::mem::swap(&mut before, &mut row);
+        }
     };
-    for node in 0..graph.n_nodes() {
-        let mut steps = Connectivity::Eight.steps_back().iter().copied();
-        let nearest = near(&clearance, node, &mut steps);
-        clearance[node] = clearance[node].min(nearest.unwrap_or(most));
-    }
-    for node in (0..graph.n_nodes()).rev() {
-        let mut steps = Connectivity::Eight.steps_back().iter().map(|step| (-step.0, -step.1));
-        let nearest = near(&clearance, node, &mut steps);
-        clearance[node] = clearance[node].min(nearest.unwrap_or(most));
-    }
+    sweep(&mut (0..graph.height()), &|x| x, -1);
+    sweep(&mut (0..graph.height()).rev(), &|x| width - 1 - x, 1);
     clearance
+}
+
+/// The step back: the steps are symmetric, and the opposite stands at the mirrored number.
+fn opposite(step: usize) -> u8 {
+    (Connectivity::Eight.steps().len() - 1 - step) as u8
+}
+
+/// Positions by cost, and of equal cost by number. A step costs 1 to [`Queue::LONGEST`], so that a list for each cost of that range
+/// is enough, used again and again.
+struct Queue {
+    lists: Vec<Vec<u32>>,
+    cost: u32,
+    n_positions: usize,
+    is_sorted: bool,
+}
+
+impl Queue {
+    /// The dearest step.
+    const LONGEST: u32 = 2 * DIAGONAL;
+
+    fn new() -> Self {
+        let lists = vec![Vec::new(); Self::LONGEST as usize + 1];
+        Self { lists, cost: 0, n_positions: 0, is_sorted: false }
+    }
+
+    /// Begins a search: the queue is empty.
+    fn start(&mut self, position: u32) {
+        (self.cost, self.is_sorted) = (0, false);
+        self.push(0, position);
+    }
+
+    /// Adds a position at most [`Queue::LONGEST`] dearer than the last that was taken.
+    fn push(&mut self, cost: u32, position: u32) {
+        let n_lists = self.lists.len();
+        self.lists[cost as usize % n_lists].push(position);
+        self.n_positions += 1;
+    }
+
+    fn pop(&mut self) -> Option<(u32, u32)> {
+        if self.n_positions == 0 {
+            return None;
+        }
+        let n_lists = self.lists.len();
+        loop {
+            let list = &mut self.lists[self.cost as usize % n_lists];
+            if !std::mem::replace(&mut self.is_sorted, true) {
+                // No step is free, so nothing joins the list while it is read.
+                list.sort_unstable_by(|a, b| b.cmp(a));
+            }
+            if let Some(position) = list.pop() {
+                self.n_positions -= 1;
+                return Some((self.cost, position));
+            }
+            self.cost += 1;
+            self.is_sorted = false;
+        }
+    }
 }

@@ -86,7 +86,7 @@ pub fn model(bytes: &[u8]) {
         boosted.relaxation.iterations = boosted.relaxation.iterations.min(50);
     }
     let found = pipeline::analyze(&small_map(), &model, &pipeline::Config::default(), &Silent);
-    assert_distributions(&found.classified);
+    assert_distributions(&model.label(&small_map(), &found.graph, &Silent).classified);
     assert_distributions(&found.smoothed);
 }
 
@@ -177,7 +177,7 @@ pub fn edits(bytes: &[u8]) {
     let label = |x: u32| Label([1, 2, 0][(x > 4) as usize + (x > 5) as usize]);
     let labels: Labeling = graph.cells().iter().map(|cell| label(cell.x)).collect();
     let regions = connected(&graph, &labels, DiagonalSteps::default());
-    let edited = apply(&map.frame, &graph, &LabelSet::default(), &regions, &file.edits);
+    let edited = apply(&map.frame, &graph, &LabelSet::default(), regions, &file.edits);
     assert_eq!(edited.outcomes.len(), file.edits.len());
     let n_cells: u32 = edited.regions.regions.iter().map(|region| region.n_cells).sum();
     assert!(n_cells as usize == graph.n_nodes() && edited.regions.regions.iter().all(|r| r.n_cells > 0));

@@ -51,7 +51,7 @@ pub(super) fn label(
         rounds: boosted.list.classifiers.iter().map(|c| c.stumps.len()).max().unwrap_or(0),
         temperature: boosted.list.temperature,
         order: names(&boosted.list.order),
-        list: score(cells, &analysis.classified.most_likely(), truth),
+        list: score(cells, &analysis.classified, truth),
         relaxed: score(cells, &analysis.smoothed.most_likely(), truth),
         corrected: score(cells, &analysis.labeling, truth),
         n_places: analysis.topology.places.len(),

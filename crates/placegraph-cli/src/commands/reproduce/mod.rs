@@ -83,7 +83,8 @@ fn reproduce(buildings: &[Building; 3], settings: &Settings, verbose: bool) -> R
     for trial in &trials {
         let one = steps.step(trial.title, |watch| trial.make(watch))?;
         add_pictures(&mut pictures, trial, &one)?;
-        let points = stages::iterations(&one.chapter, &one.truth, &settings.iterations_curve)?;
+        let points =
+            stages::iterations(&one.chapter, &trial.test.map.grid, &one.truth, &settings.iterations_curve)?;
         made.push((one, Curve { title: trial.test.title, points }));
     }
     let Made { chapter, best, .. } = &made[0].0;
@@ -169,7 +170,7 @@ fn add_pictures(pictures: &mut OutputSet, trial: &Trial<'_>, made: &Made) -> Res
 
     add("drawn", pictures::drawn_png(map, &trial.test.map.labels, first)?);
     let chapter = &made.chapter;
-    add("1-list", png(chapter, &chapter.analysis.classified.most_likely())?);
+    add("1-list", png(chapter, &chapter.analysis.classified)?);
     add("2-relaxed", png(chapter, &chapter.analysis.smoothed.most_likely())?);
     add("3-corrected", png(chapter, &chapter.analysis.labeling)?);
     add("best", png(&made.best, &made.best.analysis.labeling)?);

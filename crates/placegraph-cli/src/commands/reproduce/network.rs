@@ -129,7 +129,7 @@ pub(super) fn on_a_list(
     let truth = building.truth_from(building.split);
     let judged = |labeling: &[Label]| score(analysis.graph.cells(), labeling, &truth);
     let found = analysis.smoothed.most_likely();
-    let stages = [judged(&analysis.classified.most_likely()), judged(&found)];
+    let stages = [judged(&analysis.classified), judged(&found)];
     let corrected = judged(&analysis.labeling);
     let result = result(&building.map, title, &report.network, stages, Some(corrected));
     let found = painted(&truth, analysis.graph.cells(), &found);

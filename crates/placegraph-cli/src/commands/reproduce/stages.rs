@@ -1,22 +1,28 @@
 //! What single steps after the decision list do: iterations of the relaxation, and each correction.
 
 use anyhow::Result;
-use placegraph::grid::Grid;
+use placegraph::grid::{Grid, OccupancyGrid};
 use placegraph::labels::{Label, LabelSet};
+use placegraph::progress::Silent;
 use placegraph::regions::{DiagonalSteps, Thresholds, connected, correct};
-use placegraph::relax::{RelaxConfig, relax};
+use placegraph::relax::{RelaxConfig, relax_in_place};
 
 use super::experiment::{Run, boosted};
 use super::results::{Correction, Point, score};
 
 /// The relaxed labels after each number of `iterations`, in ascending order.
-pub(super) fn iterations(run: &Run, truth: &Grid<Option<Label>>, iterations: &[u32]) -> Result<Vec<Point>> {
+pub(super) fn iterations(
+    run: &Run,
+    map: &OccupancyGrid,
+    truth: &Grid<Option<Label>>,
+    iterations: &[u32],
+) -> Result<Vec<Point>> {
     let compatibility = &boosted(&run.trained.model)?.compatibility;
     let graph = &run.analysis.graph;
-    let (mut field, mut done) = (run.analysis.classified.clone(), 0);
+    let (mut field, mut done) = (run.trained.model.label(map, graph, &Silent).classified, 0);
     let points = iterations.iter().map(|&n| {
         let more = RelaxConfig { iterations: n - done, patience: None };
-        field = relax(graph, &field, compatibility, &more).field;
+        relax_in_place(graph, &mut field, compatibility, &more);
         done = n;
         Point { at: n as usize, scores: score(graph.cells(), &field.most_likely(), truth) }
     });

@@ -3,8 +3,8 @@
 //! Regions, contacts and outlines only change where runs end, so they are computed from runs: a few hundred
 //! thousand where a map has millions of cells. Cost: one pass over the nodes.
 
-use super::DiagonalSteps;
-use crate::grid::CellGraph;
+use super::disjoint_sets::DisjointSets;
+use super::{CellGraph, DiagonalSteps};
 
 /// A maximal stretch of free cells of one row with one value.
 #[derive(Clone, Copy, Debug)]
@@ -59,18 +59,20 @@ impl Runs {
     pub(crate) fn new(graph: &CellGraph, value: impl Fn(usize) -> u32) -> Self {
         let mut runs: Vec<Run> = Vec::new();
         let mut row_starts = Vec::with_capacity(graph.height() as usize + 1);
-        for (node, cell) in graph.cells().iter().enumerate() {
-            let value = value(node);
-            match runs.last_mut() {
-                Some(run) if run.y == cell.y && run.end == cell.x && run.value == value => run.end += 1,
-                _ => {
-                    let first_node = node as u32;
-                    row_starts.resize(row_starts.len().max(cell.y as usize + 1), runs.len());
-                    runs.push(Run { first_node, y: cell.y, start: cell.x, end: cell.x + 1, value });
+        let mut node = 0;
+        for y in 0..graph.height() {
+            let row_start = runs.len();
+            row_starts.push(row_start);
+            for x in graph.columns(y, 0..graph.width()) {
+                let value = value(node as usize);
+                match runs[row_start..].last_mut() {
+                    Some(run) if run.end == x && run.value == value => run.end += 1,
+                    _ => runs.push(Run { first_node: node, y, start: x, end: x + 1, value }),
                 }
+                node += 1;
             }
         }
-        row_starts.resize(graph.height() as usize + 1, runs.len());
+        row_starts.push(runs.len());
         Self { runs, row_starts }
     }
 
@@ -140,4 +142,29 @@ impl Runs {
             meets(upper, upper + 1) || lower > 0 && meets(lower - 1, lower)
         }
     }
+}
+
+/// The component of every run and the number of components, numbered by their first run.
+pub(crate) fn components(runs: &Runs, diagonal: DiagonalSteps) -> (Vec<u32>, usize) {
+    let all = runs.all();
+    let mut sets = DisjointSets::new(all.len());
+    runs.for_each_touch(diagonal, |touch| {
+        let [a, b] = touch.runs;
+        if all[a].value == all[b].value {
+            sets.unite(a, b);
+        }
+    });
+    let mut component_of = Vec::with_capacity(all.len());
+    let mut n_components = 0;
+    for run in 0..all.len() {
+        // The representative is the first run of its set, so it was numbered before.
+        let representative = sets.find(run);
+        component_of.push(if representative == run {
+            n_components += 1;
+            n_components - 1
+        } else {
+            component_of[representative]
+        });
+    }
+    (component_of, n_components as usize)
 }

@@ -2,18 +2,18 @@
 
 /// A partition of 0..n into sets that can only grow together.
 #[derive(Debug)]
-pub(super) struct DisjointSets {
+pub(crate) struct DisjointSets {
     parent: Vec<u32>,
 }
 
 impl DisjointSets {
     /// n sets of one member.
-    pub(super) fn new(n: usize) -> Self {
+    pub(crate) fn new(n: usize) -> Self {
         Self { parent: (0..n as u32).collect() }
     }
 
     /// The lowest member of the set of `member`. Halves the path as it goes.
-    pub(super) fn find(&mut self, member: usize) -> usize {
+    pub(crate) fn find(&mut self, member: usize) -> usize {
         let mut member = member;
         while self.parent[member] as usize != member {
             let grandparent = self.parent[self.parent[member] as usize];
@@ -24,7 +24,7 @@ impl DisjointSets {
     }
 
     /// Makes one set of the sets of `a` and `b`.
-    pub(super) fn unite(&mut self, a: usize, b: usize) {
+    pub(crate) fn unite(&mut self, a: usize, b: usize) {
         let (a, b) = (self.find(a), self.find(b));
         self.parent[a.max(b)] = a.min(b) as u32;
     }
