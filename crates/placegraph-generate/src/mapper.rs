@@ -91,6 +91,11 @@ pub(crate) fn explore(plan: &Plan, scene: &Scene, cell_m: f64, dice: &mut Dice) 
     counts.threshold(&mapper)
 }
 
+/// The length of `v`, to the same bits on every platform: square roots are rounded alike everywhere, `hypot` is not.
+fn length_of(v: Vec2) -> f64 {
+    v.dot(v).sqrt()
+}
+
 /// Where the robot scans: along the tour, and around at its stops.
 fn poses(tour: &Tour, laser: &Laser, step_m: f64) -> Vec<(Point2, Vec2)> {
     let mut poses = Vec::new();
@@ -98,9 +103,9 @@ fn poses(tour: &Tour, laser: &Laser, step_m: f64) -> Vec<(Point2, Vec2)> {
     let mut stops = tour.stops.iter().copied().peekable();
     for (k, &point) in tour.points.iter().enumerate() {
         let ahead = tour.points[(k + 4).min(tour.points.len() - 1)] - tour.points[k.saturating_sub(4)];
-        let length = ahead.length();
+        let length = length_of(ahead);
         let forward = if length > 1e-9 { ahead * (1.0 / length) } else { Vec2::new(1.0, 0.0) };
-        if last.is_none_or(|last: Point2| last.distance(point) >= step_m) {
+        if last.is_none_or(|last: Point2| length_of(point - last) >= step_m) {
             poses.push((point, forward));
             last = Some(point);
         }

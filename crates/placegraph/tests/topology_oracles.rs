@@ -80,15 +80,24 @@ proptest! {
     }
 
     #[test]
-    fn outlines_only_have_corners((graph, labels) in maps()) {
+    fn outlines_have_their_own_corners_and_those_beside_them((graph, labels) in maps()) {
         let frame = MapFrame::new(1.0, Pose2::default()).unwrap();
         let regions = connected(&graph, &labels, DiagonalSteps::ThroughFree);
         let map = built(&graph, &labels, &frame, &regions);
-        let rings = map.places.iter().flat_map(|place| &place.outline);
-        for points in rings.flat_map(|outline| std::iter::once(&outline.exterior).chain(&outline.holes)) {
+        let outlines = map.places.iter().flat_map(|place| &place.outline);
+        let rings: Vec<_> =
+            outlines.flat_map(|outline| std::iter::once(&outline.exterior).chain(&outline.holes)).collect();
+        for (index, points) in rings.iter().enumerate() {
+            let others = || rings.iter().enumerate().filter(|&(other, _)| other != index).flat_map(|(_, ring)| *ring);
             for i in 0..points.len() {
                 let [a, b, c] = [0, 1, 2].map(|step| points[(i + step) % points.len()]);
-                prop_assert!((b - a).cross(c - b).abs() > 0.5);
+                let is_corner = (b - a).cross(c - b).abs() > 0.5;
+                prop_assert!(is_corner || others().any(|other| other.distance(b) < 0.5));
+                // No corner of another ring lies within a side.
+                let inside = |p: &Point2| {
+                    (b - a).cross(*p - a).abs() < 0.5 && (*p - a).dot(b - a) > 0.5 && (*p - b).dot(a - b) > 0.5
+                };
+                prop_assert!(!others().any(inside));
             }
         }
     }

@@ -65,7 +65,8 @@ impl Parts {
     }
 
     /// Walks around the part of `start` from the lower left corner of `start` along its lower side, and marks
-    /// the cells of which it walks the lower side. Corners in cells; only those where the ring turns.
+    /// the cells of which it walks the lower side. Corners in cells: where the ring turns, and where another part begins or
+    /// ends beside it, so that outlines that share a side share its ends, also after their points were turned and rounded.
     fn ring(&self, graph: &CellGraph, start: Cell, is_walked: &mut [bool]) -> Vec<Point2> {
         let first = (start.x as i64, start.y as i64);
         let part = self.at(graph, first.0, first.1);
@@ -79,19 +80,20 @@ impl Parts {
             }
             corner = (corner.0 + ahead.0, corner.1 + ahead.1);
             let (left, right) = ((-ahead.1, ahead.0), (ahead.1, -ahead.0));
-            // The cell ahead on one side of the way: its lower left corner, seen from here.
-            let is_part = |side: (i64, i64)| {
-                let x = corner.0 + (ahead.0 + side.0 - 1) / 2;
-                let y = corner.1 + (ahead.1 + side.1 - 1) / 2;
-                self.at(graph, x, y) == part
+            // The part in the cell ahead or behind on one side of the way: its lower left corner, seen from here.
+            let at = |way: (i64, i64), side: (i64, i64)| {
+                let x = corner.0 + (way.0 + side.0 - 1) / 2;
+                let y = corner.1 + (way.1 + side.1 - 1) / 2;
+                self.at(graph, x, y)
             };
-            let turned = match (is_part(left), is_part(right)) {
+            let (behind, beside) = ((-ahead.0, -ahead.1), at(ahead, right));
+            let turned = match (at(ahead, left) == part, beside == part) {
                 // Also where only the cell across the corner is of the part: it is reached, not cut off.
                 (_, true) => right,
                 (true, false) => ahead,
                 (false, false) => left,
             };
-            if turned != ahead {
+            if turned != ahead || beside != at(behind, right) {
                 corners.push(Point2::new(corner.0 as f64, corner.1 as f64));
             }
             ahead = turned;
