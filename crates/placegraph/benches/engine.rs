@@ -1,5 +1,5 @@
-//! Scans and features beside their plain twins and beside the processor's speed, in one run on the same cells:
-//! `cargo bench -p placegraph --bench engine`. Read the ratios, not the times.
+//! Scans and features beside their plain twins and beside the processor's speed, in one run on the same cells, in processor
+//! time: `cargo bench -p placegraph --bench engine`. Read the ratios, not the times.
 
 #![allow(missing_docs, reason = "criterion makes public functions")]
 #![allow(clippy::unwrap_used, reason = "a benchmark panics where a test would")]
@@ -16,13 +16,16 @@ use placegraph_testkit::rays::traverse;
 #[path = "probe/limits.rs"]
 mod limits;
 mod maps;
+#[path = "probe/processor.rs"]
+mod processor;
 
 use maps::office;
+use processor::ProcessorTime;
 
 /// Widths of the maps, for three sizes; the second one for everything that is measured once.
 const WIDTHS: [u32; 3] = [160, 320, 640];
 
-fn casting(criterion: &mut Criterion) {
+fn casting(criterion: &mut Criterion<ProcessorTime>) {
     let config = ScanConfig::default();
     let mut group = criterion.benchmark_group("rays");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
@@ -57,7 +60,7 @@ fn some(graph: &CellGraph, n: usize) -> Vec<Cell> {
     graph.cells().iter().copied().step_by(graph.n_nodes().div_ceil(n)).collect()
 }
 
-fn measuring(criterion: &mut Criterion) {
+fn measuring(criterion: &mut Criterion<ProcessorTime>) {
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     for (name, columns) in
         [("203 features", freiburg203()), ("all features", all()), ("default model", default_columns())]
@@ -124,5 +127,9 @@ fn default_columns() -> Vec<FeatureId> {
     columns
 }
 
-criterion_group!(benches, limits::limits, casting, measuring);
+criterion_group! {
+    name = benches;
+    config = Criterion::default().with_measurement(ProcessorTime);
+    targets = limits::limits, casting, measuring
+}
 criterion_main!(benches);

@@ -38,7 +38,9 @@ class Measured:
         for file in sorted(TARGET.glob("criterion/**/new/benchmark.json")):
             bench = json.loads(file.read_text())
             sample = json.loads(file.with_name("sample.json").read_text())
-            best = min(t / i for t, i in zip(sample["times"], sample["iters"])) * 1e-9
+            times = sorted(t / i * 1e-9 for t, i in zip(sample["times"], sample["iters"]))
+            # The clock of the limits has coarse steps: their best sample would be better than the truth.
+            best = times[len(times) // 2] if bench["group_id"] == "limits" else times[0]
             count = next(iter((bench["throughput"] or {"Elements": 1}).values()))
             key = (bench["group_id"], bench["function_id"], bench["value_str"])
             self.rows[key] = (best, count)
@@ -173,7 +175,7 @@ def targets(m):
         own = per_cell(m.get("rays", kind))
         add(f"rays, exact, {name}", "0.5 G rays/s and core" if kind == "Widest" else "",
             cell(own and 1e-3 / own, "{:.2f}", " G rays/s"),
-            cell(ratio(plain_rays, own), "{:.0f}", " x the scalar traversal"), "no simple one: see below")
+            cell(ratio(plain_rays, own), "{:.0f}", " x the scalar traversal"), "no simple one: see above")
     plain = per_cell(m.get("203 features", "plain formulas"))
     for group, pairs in [("203 features", PAIRS_PER_BEAM), ("all features", PAIRS_PER_BEAM), ("default model", None)]:
         for kind, name in KINDS.items():
@@ -286,6 +288,7 @@ def main():
              if m.rate("multiply and add", kind)]
     memory = m.memory()
     part = [f"Measured on {time.strftime('%d %B %Y')}, {os.cpu_count()} cores of a shared {cpu_name()}; the best of all samples.",
+            f"While this page was made, {os.getloadavg()[2]:.0f} processes at a time wanted these cores (a mean of 15 minutes).",
             f"Limits of one core in the same run: {', '.join(rates)} single-precision multiplications with an addition a second"
             + (f", {memory * 1e-9:.1f} GB/s from and to memory." if memory else "."), "", *targets(m), "",
             "![Cost by size](images/cost-by-size.svg)", "", "![Time by stage](images/time-by-stage.svg)", "", *stage_table(m)]

@@ -2,8 +2,10 @@
 
 use std::hint::black_box;
 
-use criterion::{BenchmarkId, Criterion, Throughput};
+use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput};
 use placegraph::scan::Instructions;
+
+use super::processor::ProcessorTime;
 
 /// Values side by side.
 const WIDTH: usize = 16;
@@ -14,8 +16,9 @@ const N_ROUNDS: usize = 4096;
 const N_VALUES: usize = 1 << 26;
 
 /// Multiplications with an addition each, and bytes read and written, of one core.
-pub(crate) fn limits(criterion: &mut Criterion) {
+pub(crate) fn limits(criterion: &mut Criterion<ProcessorTime>) {
     let mut group = criterion.benchmark_group("limits");
+    group.sample_size(10).sampling_mode(SamplingMode::Flat);
     group.throughput(Throughput::Elements((N_ROUNDS * SUMS * WIDTH) as u64));
     for instructions in Instructions::ALL {
         group.bench_function(BenchmarkId::new("multiply and add", format!("{instructions:?}")), |bencher| {
@@ -28,7 +31,6 @@ pub(crate) fn limits(criterion: &mut Criterion) {
         });
     }
     let mut values = vec![1.0f32; N_VALUES];
-    group.sample_size(10);
     group.throughput(Throughput::Bytes((2 * N_VALUES * size_of::<f32>()) as u64));
     group.bench_function("memory", |bencher| {
         bencher.iter(|| {
