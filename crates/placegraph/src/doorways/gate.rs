@@ -2,6 +2,8 @@
 
 use std::cmp::Ordering;
 
+use rayon::prelude::*;
+
 use super::DoorwayConfig;
 use super::saddles::saddles;
 use crate::geom::{Point2, Vec2};
@@ -37,11 +39,14 @@ pub(super) fn candidates(
 ) -> Vec<Gate> {
     let cells_of = |meters: f64| meters / resolution_m;
     let (narrowest, widest) = (cells_of(config.min_width_m), cells_of(config.max_width_m));
-    // Clearance is measured between centers: a free width w has walls w / 2 + 1 / 2 away.
-    let is_door_sized = |squared: i64| (squared as f64).sqrt() <= widest / 2.0 + 1.0;
+    // Clearance is measured between centers: a free width w has walls w / 2 + 1 / 2 away, and opposite walls are at most
+    // twice the reach apart in which they are looked for.
+    let is_door_sized = |squared: i64| {
+        (squared as f64).sqrt() <= widest / 2.0 + 1.0 && 2.0 * reach_of(squared) >= narrowest + 1.0
+    };
     let mut found: Vec<Gate> = saddles(graph, clearance, is_door_sized)
-        .into_iter()
-        .flat_map(|node| opposite_walls(graph, node, clearance[node]))
+        .into_par_iter()
+        .flat_map_iter(|node| opposite_walls(graph, node, clearance[node]))
         .filter(|gate| (narrowest..=widest).contains(&(gate.width - 1.0)))
         .filter_map(|gate| with_depth(graph, gate, cells_of(config.max_depth_m)))
         .collect();
@@ -93,34 +98,50 @@ fn is_free(graph: &CellGraph, point: Point2) -> bool {
     })
 }
 
+/// How far from a node its two walls are looked for. Where they are equally near in truth, the centers of their cells differ
+/// by up to a diagonal.
+fn reach_of(squared_clearance: i64) -> f64 {
+    (squared_clearance as f64).sqrt() + 1.5
+}
+
+/// Whether two directions are 120 degrees apart or more: a · b <= −|a| |b| / 2.
+fn is_opposite(a: (i32, i32), b: (i32, i32)) -> bool {
+    let square = |(x, y): (i32, i32)| i64::from(x * x + y * y);
+    let dot = i64::from(a.0 * b.0 + a.1 * b.1);
+    dot < 0 && 4 * dot * dot >= square(a) * square(b)
+}
+
 /// The shortest lines through the neighborhood of `node` between two cells that are not free, about as near
 /// to it as the nearest, and more than 120 degrees apart as seen from it; of these the ones with their middle nearest to it.
 fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: i64) -> Vec<Gate> {
     let here = center_of(graph.cell(node));
-    // Where two walls are equally near in truth, the centers of their cells differ by up to a diagonal.
-    let reach = (squared_clearance as f64).sqrt() + 1.5;
+    let reach = reach_of(squared_clearance);
     let steps = reach.floor() as i32;
-    let walls: Vec<Vec2> = (-steps..=steps)
-        .flat_map(|dy| (-steps..=steps).map(move |dx| Vec2::new(dx as f64, dy as f64)))
-        .filter(|step| step.length() <= reach && !is_free(graph, here + *step))
+    let walls: Vec<(i32, i32)> = (-steps..=steps)
+        .flat_map(|y| (-steps..=steps).map(move |x| (x, y)))
+        .filter(|&(x, y)| f64::from(x * x + y * y) <= reach * reach)
+        .filter(|&(x, y)| !is_free(graph, here + Vec2::new(x.into(), y.into())))
         .collect();
-    let mut shortest = (f64::INFINITY, f64::INFINITY);
+    let square = |(x, y): (i32, i32)| x * x + y * y;
+    // Squares of the width and of twice the way from here to its middle: whole numbers, so that equal is equal.
+    let mut shortest = (i32::MAX, i32::MAX);
     let mut gates = Vec::new();
     for (index, &a) in walls.iter().enumerate() {
         for &b in &walls[index + 1..] {
-            let width = (b - a).length();
-            if width > shortest.0 || a.dot(b) > -0.5 * a.length() * b.length() {
+            let across = (b.0 - a.0, b.1 - a.1);
+            let middle = (a.0 + b.0, a.1 + b.1);
+            let length = (square(across), square(middle));
+            if length > shortest || !is_opposite(a, b) {
                 continue;
             }
-            let center = here + (a + b) * 0.5;
-            let length = (width, center.distance(here));
             if length < shortest {
                 shortest = length;
                 gates.clear();
             }
-            if length <= shortest {
-                gates.push(Gate { center, across: (b - a) * (1.0 / width), width, depth: 0.0 });
-            }
+            let width = f64::from(length.0).sqrt();
+            let center = here + Vec2::new(middle.0.into(), middle.1.into()) * 0.5;
+            let across = Vec2::new(across.0.into(), across.1.into()) * (1.0 / width);
+            gates.push(Gate { center, across, width, depth: 0.0 });
         }
     }
     gates

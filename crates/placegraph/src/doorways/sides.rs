@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::gate::{Gate, center_of};
-use crate::grid::{Cell, CellGraph};
+use crate::grid::{Cell, CellGraph, NO_NODE};
 
 /// How far from a gate its sides are looked at, in cells along the walk. A walk takes steps to 4- and 8-neighbors
 /// in turn, so that its length is within 6 % of the Euclidean one in every direction.
@@ -51,12 +51,14 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
     let mut first: Vec<Option<u32>> = Vec::new();
     for (side, direction) in sides.iter_mut().zip([1.0, -1.0]) {
         let mut steps: Vec<Option<u32>> = vec![None; window.n_cells()];
-        let mut open: VecDeque<usize> = beside(graph, gate, direction).into();
-        for &node in &open {
-            steps[window.index(graph.cell(node))] = Some(0);
+        let mut open: VecDeque<(usize, Cell)> = VecDeque::new();
+        for node in beside(graph, gate, direction) {
+            let cell = graph.cell(node);
+            steps[window.index(cell)] = Some(0);
+            open.push_back((node, cell));
         }
-        while let Some(node) = open.pop_front() {
-            let here = window.index(graph.cell(node));
+        while let Some((node, cell)) = open.pop_front() {
+            let here = window.index(cell);
             let walked = steps[here].unwrap_or(0);
             side.visit(node, clearance[node], walked as f64, walks);
             if let Some(Some(other)) = first.get(here) {
@@ -65,13 +67,14 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
             if walked >= reach {
                 continue;
             }
+            let around = graph.around(cell);
             for &step in &RING[..if walked.is_multiple_of(2) { 8 } else { 4 }] {
-                let Some(next) = reachable(graph, node, step) else { continue };
-                let cell = graph.cell(next);
+                let Some(next) = reachable(&around, step) else { continue };
+                let cell = cell.moved(step.0, step.1);
                 let known = &mut steps[window.index(cell)];
                 if known.is_none() && !is_on_line(gate, cell) {
                     *known = Some(walked + 1);
-                    open.push_back(next);
+                    open.push_back((next, cell));
                 }
             }
         }
@@ -83,11 +86,14 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
 /// Steps to the 4-neighbors, then to the diagonal ones.
 const RING: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
 
-/// The node one step away; a diagonal step does not pass between two cells that are not free.
-fn reachable(graph: &CellGraph, node: usize, (dx, dy): (i32, i32)) -> Option<usize> {
-    let is_free = |step| graph.node_at_step(node, step).is_some();
-    let may_pass = dx == 0 || dy == 0 || is_free((dx, 0)) || is_free((0, dy));
-    graph.node_at_step(node, (dx, dy)).filter(|_| may_pass)
+/// The node one step from the middle of `around`; a diagonal step does not pass between two cells that are not free.
+fn reachable(around: &[[u32; 3]; 3], (dx, dy): (i32, i32)) -> Option<usize> {
+    let at = |dx: i32, dy: i32| {
+        let node = around[(dy + 1) as usize][(dx + 1) as usize];
+        (node != NO_NODE).then_some(node as usize)
+    };
+    let may_pass = dx == 0 || dy == 0 || at(dx, 0).is_some() || at(0, dy).is_some();
+    at(dx, dy).filter(|_| may_pass)
 }
 
 impl Side {

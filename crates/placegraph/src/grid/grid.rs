@@ -16,7 +16,7 @@ impl Cell {
     }
 
     /// The cell so many columns and rows away, which exists.
-    pub(super) fn moved(self, columns: i32, rows: i32) -> Self {
+    pub(crate) fn moved(self, columns: i32, rows: i32) -> Self {
         Self::new(self.x.wrapping_add_signed(columns), self.y.wrapping_add_signed(rows))
     }
 }
