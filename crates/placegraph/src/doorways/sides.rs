@@ -56,7 +56,8 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
             steps[window.index(graph.cell(node))] = Some(0);
         }
         while let Some(node) = open.pop_front() {
-            let here = window.index(graph.cell(node));
+            let own = graph.cell(node);
+            let here = window.index(own);
             let walked = steps[here].unwrap_or(0);
             side.visit(node, clearance[node], walked as f64, walks);
             if let Some(Some(other)) = first.get(here) {
@@ -66,8 +67,8 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
                 continue;
             }
             for &step in &RING[..if walked.is_multiple_of(2) { 8 } else { 4 }] {
-                let Some(next) = reachable(graph, node, step) else { continue };
-                let cell = graph.cell(next);
+                let Some(next) = reachable(graph, own, step) else { continue };
+                let cell = Cell::new(own.x.wrapping_add_signed(step.0), own.y.wrapping_add_signed(step.1));
                 let known = &mut steps[window.index(cell)];
                 if known.is_none() && !is_on_line(gate, cell) {
                     *known = Some(walked + 1);
@@ -83,11 +84,11 @@ pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, wa
 /// Steps to the 4-neighbors, then to the diagonal ones.
 const RING: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
 
-/// The node one step away; a diagonal step does not pass between two cells that are not free.
-fn reachable(graph: &CellGraph, node: usize, (dx, dy): (i32, i32)) -> Option<usize> {
-    let is_free = |step| graph.node_at_step(node, step).is_some();
+/// The node one step away from `cell`; a diagonal step does not pass between two cells that are not free.
+fn reachable(graph: &CellGraph, cell: Cell, (dx, dy): (i32, i32)) -> Option<usize> {
+    let is_free = |step| graph.node_beside(cell, step).is_some();
     let may_pass = dx == 0 || dy == 0 || is_free((dx, 0)) || is_free((0, dy));
-    graph.node_at_step(node, (dx, dy)).filter(|_| may_pass)
+    graph.node_beside(cell, (dx, dy)).filter(|_| may_pass)
 }
 
 impl Side {
