@@ -168,9 +168,9 @@ proptest! {
 /// Wider than a tile, higher than a band, and more iterations than a pass makes.
 #[test]
 fn a_large_map_has_the_bits_of_the_plain_twin() {
-    let mut map = Grid::filled(1090, 150, Occupancy::Free);
+    let mut map = Grid::filled(1590, 150, Occupancy::Free);
     for (index, value) in map.values_mut().iter_mut().enumerate() {
-        if (index * 7919) % 13 == 0 || index % 1090 / 40 == 13 {
+        if (index * 7919) % 13 == 0 || index % 1590 / 40 == 13 {
             *value = Occupancy::Occupied;
         }
     }
