@@ -51,8 +51,8 @@ impl Map {
 
     /// One in 3000 free cells, one on every 7.5 m², is occupied or unknown now, and one in 12 cells of a wall's face is free where
     /// that opens no way through the wall.
-    fn noisy(&self) -> Self {
-        let mut state = 0x9e37_79b9_7f4a_7c15u64;
+    fn noisy(&self, draw: u64) -> Self {
+        let mut state = 0x9e37_79b9_7f4a_7c15u64 ^ (draw * 0x1234_5678_9abc_def1);
         let mut one_in = |n: u64| {
             // xorshift [Marsaglia 2003].
             state ^= state << 13;
@@ -192,10 +192,12 @@ fn names_stay_when_a_building_is_mapped_again() {
         let map = Map::shipped(building);
         let previous = named(&map.write(folder.path(), building), &path("before"));
         let changed = [
-            ("noise", map.noisy()),
+            ("noise", map.noisy(0)),
+            ("noise again", map.noisy(1)),
+            ("noise once more", map.noisy(2)),
             ("another grid", map.on_another_grid()),
             ("a room more", map.with_a_room_more()),
-            ("all three", map.noisy().with_a_room_more().on_another_grid()),
+            ("all three", map.noisy(3).with_a_room_more().on_another_grid()),
         ];
         for (change, map) in changed {
             let later = map.write(folder.path(), "later");
