@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use running::{json, names, placegraph, stderr};
+use running::{json, names, placegraph, start_batch, stderr};
 use tempfile::TempDir;
 
 /// A room of `columns` x 40 cells behind a doorway, with walls all around.
@@ -135,13 +135,7 @@ fn a_killed_run_is_taken_up_where_it_ended() {
     let maps: Vec<PathBuf> =
         ["a", "b", "c", "d", "e"].iter().map(|name| write_map(folder.path(), name, 60)).collect();
     let first = out.join("a/topology.json");
-    let mut run = Command::new(env!("CARGO_BIN_EXE_placegraph"))
-        .args(["map", "--out"])
-        .arg(&out)
-        .args(&maps)
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut run = start_batch(&maps, &out);
     while !first.exists() && run.try_wait().unwrap().is_none() {
         thread::sleep(Duration::from_millis(2));
     }

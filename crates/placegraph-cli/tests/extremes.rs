@@ -80,9 +80,8 @@ fn maps_at_the_edge_are_labeled_in_every_way() {
     }
 }
 
-/// The same, of a million cells: by hand, in the release profile.
+/// The same, of a million cells: most of a minute.
 #[test]
-#[ignore = "a minute in the profile of the tests: cargo test --release -p placegraph-cli --test extremes -- --ignored"]
 fn a_million_cells_in_a_row_are_labeled() {
     let folder = TempDir::new().unwrap();
     for (name, size) in [("row", (1_000_000, 1)), ("column", (1, 1_000_000))] {

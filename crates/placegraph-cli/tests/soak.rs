@@ -7,11 +7,11 @@ mod running;
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
 use placegraph_generate::{Mapping, Options, Style, files, generate};
+use running::start_batch;
 use tempfile::TempDir;
 
 /// Different generated homes, which the batch takes in turn.
@@ -49,13 +49,7 @@ fn memory_is_flat_over_many_maps() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("out");
     let maps = maps(folder.path(), n);
-    let mut run = Command::new(env!("CARGO_BIN_EXE_placegraph"))
-        .args(["map", "--out"])
-        .arg(&out)
-        .args(&maps)
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
+    let mut run = start_batch(&maps, &out);
     let mut samples = Vec::new();
     while run.try_wait().unwrap().is_none() {
         samples.extend(resident_kib(run.id()));

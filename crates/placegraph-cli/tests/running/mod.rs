@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
 
 /// Every format, with the files that `map --export` writes for a map called `map`.
 pub(crate) const FORMATS: [(&str, &[&str]); 13] = [
@@ -40,6 +40,13 @@ pub(crate) fn placegraph(args: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
         command.arg(arg);
     }
     command.output().expect("the program starts")
+}
+
+/// Begins to label `maps` into folders of `out`; what the program tells goes nowhere.
+pub(crate) fn start_batch(maps: &[PathBuf], out: &Path) -> Child {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
+    command.args(["map", "--out"]).arg(out).args(maps).stderr(Stdio::null());
+    command.spawn().expect("the program starts")
 }
 
 /// What the program told people.

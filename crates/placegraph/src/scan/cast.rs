@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 
+use super::obstacles::specks;
 use super::path::{Octant, octant_path};
 use super::{N_BEAMS, RangeScan, ScanConfig, UnknownCells};
-use crate::grid::{Cell, CellGraph, Obstacles, Occupancy, OccupancyGrid};
+use crate::grid::{Cell, Occupancy, OccupancyGrid};
 
 /// The scan that a robot in the center of `cell` sees, aligned with the grid's axes.
 ///
@@ -24,10 +25,7 @@ use crate::grid::{Cell, CellGraph, Obstacles, Occupancy, OccupancyGrid};
 pub fn cast(grid: &OccupancyGrid, cell: Cell, config: &ScanConfig) -> RangeScan {
     let range_max_cells = config.range_max_m / grid.frame.resolution_m();
     let n_max = grid.cells.width() as usize + grid.cells.height() as usize;
-    let max_speck = config.max_speck_cells(grid.frame.resolution_m());
-    let graph = (max_speck > 0).then(|| CellGraph::new(&grid.cells));
-    let specks: BTreeSet<Cell> =
-        graph.iter().flat_map(|graph| Obstacles::of(graph).small(max_speck)).collect();
+    let specks: BTreeSet<Cell> = specks(grid, config).into_iter().collect();
     let stops = |x: i32, y: i32| match grid.cells.offset(cell, (x, y)) {
         Some(at) if specks.contains(&at) => false,
         Some(at) => match grid.cells[at] {

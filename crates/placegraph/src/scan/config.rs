@@ -58,11 +58,6 @@ impl ScanConfig {
             && in_range(self.range_scale, Self::MAX_SCALE)
             && (0.0..=Self::MAX_SPECK_M).contains(&self.max_speck_m)
     }
-
-    /// [`ScanConfig::max_speck_m`] in whole cells.
-    pub(super) fn max_speck_cells(&self, resolution_m: f64) -> u32 {
-        (self.max_speck_m / resolution_m).round() as u32
-    }
 }
 
 impl Default for ScanConfig {

@@ -42,12 +42,9 @@ impl Obstacles {
             }
         }
         let mut obstacles = Self { words, rows };
-        let max_speck = config.max_speck_cells(grid.frame.resolution_m());
-        if max_speck > 0 {
-            for cell in grid::Obstacles::of(&CellGraph::new(&grid.cells)).small(max_speck) {
-                let position = obstacles.position(cell);
-                obstacles.words[position] &= !(1 << (cell.x as usize % WORD));
-            }
+        for cell in specks(grid, config) {
+            let position = obstacles.position(cell);
+            obstacles.words[position] &= !(1 << (cell.x as usize % WORD));
         }
         obstacles
     }
@@ -88,6 +85,15 @@ impl Obstacles {
 #[cold]
 fn outside() -> ! {
     panic!("a block lies in the map");
+}
+
+/// The cells of the obstacles that beams pass through ([`ScanConfig::max_speck_m`]).
+pub(super) fn specks(grid: &OccupancyGrid, config: &ScanConfig) -> Vec<Cell> {
+    let max_length = (config.max_speck_m / grid.frame.resolution_m()).round() as u32;
+    if max_length == 0 {
+        return Vec::new();
+    }
+    grid::Obstacles::of(&CellGraph::new(&grid.cells)).small(max_length)
 }
 
 /// A displacement as words and bits. A bitmap below 2³¹ words (137 G cells) keeps it in 32 bits.
