@@ -14,8 +14,9 @@ mod read;
 
 use std::process::ExitCode;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Parser;
+use placegraph::scan::Instructions;
 
 use crate::args::{Cli, Command};
 use crate::commands::{
@@ -37,6 +38,7 @@ fn main() -> ExitCode {
 }
 
 fn run(cli: &Cli) -> Result<Outcome> {
+    check_instructions()?;
     // 0: as many as there are cores.
     rayon::ThreadPoolBuilder::new()
         .num_threads(cli.threads.unwrap_or(0))
@@ -57,6 +59,16 @@ fn run(cli: &Cli) -> Result<Outcome> {
         Command::Man(args) => shell::man(args),
         Command::Reproduce(args) => reproduce::run(args, cli.verbose),
     }
+}
+
+/// What the library would not understand, it would not follow.
+fn check_instructions() -> Result<()> {
+    let Some(found) = std::env::var_os(Instructions::VARIABLE) else { return Ok(()) };
+    if found.to_str().and_then(Instructions::from_name).is_none() {
+        let names = Instructions::ALL.map(Instructions::name).join(", ");
+        bail!("expected {} to be one of {names}, found {}", Instructions::VARIABLE, found.display());
+    }
+    Ok(())
 }
 
 /// Whoever reads our output may stop reading: `placegraph features | head -1`.

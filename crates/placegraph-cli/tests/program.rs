@@ -5,8 +5,10 @@ mod running;
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
-use running::{all_formats, done, names, placegraph, refused, shipped, stderr};
+use placegraph::scan::Instructions;
+use running::{all_formats, done, done_with, names, placegraph, refused, shipped, stderr};
 use tempfile::TempDir;
 
 #[test]
@@ -84,6 +86,35 @@ fn the_bytes_do_not_depend_on_the_threads() {
     for ((name, bytes), (_, other)) in results[0].iter().zip(&results[1]) {
         assert!(bytes == other, "{name} differs");
     }
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_instructions() {
+    let out = TempDir::new().unwrap();
+    let (map, labels) = (shipped("home/map.yaml"), shipped("home/labels.png"));
+    let results = Instructions::ALL.map(|instructions| {
+        let folder = out.path().join(instructions.name());
+        let with = (Instructions::VARIABLE, instructions.name());
+        // Scans, features, boosting and its scores; then relaxation and all that follows.
+        let model = folder.join("home.model.json");
+        fs::create_dir(&folder).unwrap();
+        let few: [&dyn AsRef<std::ffi::OsStr>; 4] = [&"--rounds", &"20", &"--max-cells-per-class", &"400"];
+        let train: [&dyn AsRef<std::ffi::OsStr>; 7] =
+            [&"train", &"--map", &map, &"--labels", &labels, &"-o", &model];
+        done_with(with, &[&train[..], &few].concat());
+        done_with(with, &[&"map", &map, &"--out", &folder, &"--probabilities", &"--export", &all_formats()]);
+        results(&folder)
+    });
+    assert!(results[0].len() > 20);
+    for other in &results[1..] {
+        for ((name, bytes), (_, other)) in results[0].iter().zip(other) {
+            assert!(bytes == other, "{name} differs");
+        }
+    }
+    let variable = (Instructions::VARIABLE, "widest of all");
+    let refused =
+        Command::new(env!("CARGO_BIN_EXE_placegraph")).env(variable.0, variable.1).arg("features").output();
+    assert!(stderr(&refused.unwrap()).contains("widest, avx2, plain"));
 }
 
 #[test]

@@ -159,6 +159,21 @@ pub(crate) enum Format {
     Report,
 }
 
+/// Sets of features; `docs/features.md` has their members.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FeaturesArg {
+    /// All 216
+    All,
+    /// The 203 of the author's program
+    Freiburg203,
+    /// The 183 with a number in the book
+    Chapter183,
+    /// The 152 from before the chapter
+    Old152,
+    /// The 120 that take half the time
+    Lean120,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodArg {
     /// Boosted decision list, then relaxation
@@ -202,6 +217,9 @@ pub(crate) struct TrainArgs {
     /// The chapter's own setting: 100 rounds, temperature 1, one scale; of the network: distances alone
     #[arg(long, conflicts_with_all = ["rounds", "temperature", "scales", "max_speck"])]
     pub(crate) chapter: bool,
+    /// Features to choose from [default: all; of a network: freiburg203]
+    #[arg(long, value_enum, value_name = "SET")]
+    pub(crate) features: Option<FeaturesArg>,
     /// Boosting rounds [default: chosen by cross-validation]
     #[arg(long, value_name = "T")]
     pub(crate) rounds: Option<usize>,

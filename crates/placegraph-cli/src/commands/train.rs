@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
+use placegraph::features;
 use placegraph::grid::{Cell, OccupancyGrid};
 use placegraph::import::{self, LabelCell, LabelCoding, NamedFiles, ReadOptions, TrainingFile};
 use placegraph::labels::LabelSet;
@@ -13,7 +14,7 @@ use placegraph::training::{
 };
 
 use super::Outcome;
-use crate::args::{CropArg, MethodArg, TrainArgs};
+use crate::args::{CropArg, FeaturesArg, MethodArg, TrainArgs};
 use crate::output::{complain, print, print_json, write_file};
 use crate::progress::Watch;
 use crate::read;
@@ -136,6 +137,15 @@ fn network_config(args: &TrainArgs) -> NetworkConfig {
 }
 
 fn with_arguments(mut config: TrainConfig, args: &TrainArgs) -> TrainConfig {
+    if let Some(set) = args.features {
+        config.features = match set {
+            FeaturesArg::All => features::all(),
+            FeaturesArg::Freiburg203 => features::freiburg203(),
+            FeaturesArg::Chapter183 => features::chapter183(),
+            FeaturesArg::Old152 => features::old152(),
+            FeaturesArg::Lean120 => features::lean120(),
+        };
+    }
     if let Some(rounds) = args.rounds {
         config.rounds = Choice::Set(rounds);
     }

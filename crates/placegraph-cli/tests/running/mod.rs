@@ -42,6 +42,14 @@ pub(crate) fn placegraph(args: &[&dyn AsRef<std::ffi::OsStr>]) -> Output {
     command.output().expect("the program starts")
 }
 
+/// Runs the program to success with what a variable of the process says.
+#[track_caller]
+pub(crate) fn done_with(variable: (&str, &str), args: &[&dyn AsRef<std::ffi::OsStr>]) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
+    let output = command.env(variable.0, variable.1).args(args).output().expect("the program starts");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
 /// Begins to label `maps` into folders of `out`; what the program tells goes nowhere.
 pub(crate) fn start_batch(maps: &[PathBuf], out: &Path) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));

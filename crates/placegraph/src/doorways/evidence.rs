@@ -2,7 +2,7 @@
 
 use super::gate::Gate;
 use super::paint;
-use super::sides::{Side, Surroundings, Walks, surroundings};
+use super::sides::{Side, Sides, Walks};
 use super::{DoorwayConfig, GateRule};
 use crate::geom::{Point2, Vec2};
 use crate::grid::{Cell, CellGraph, Obstacles};
@@ -32,13 +32,27 @@ impl Evidence<'_> {
             labels: (cells(0.4), cells(1.5)),
             bypass: cells(config.clear.min_bypass_m.max(config.plausible.min_bypass_m)),
         };
-        let found = surroundings(cleared, clearance, gate, &walks);
-        self.fulfills(&config.clear, gate, &found)
-            || self.fulfills(&config.plausible, gate, &found)
-                && self.support(cleared, gate, &found) >= config.min_support
+        let mut sides = Sides::of(cleared, clearance, gate, &walks);
+        let near = sides.near();
+        // The way around is the longest to look for: only where all else is as a rule asks.
+        let rules = [&config.clear, &config.plausible];
+        let [is_clear, is_plausible] = rules.map(|rule| self.has_form(rule, gate, &near));
+        if !is_clear && !is_plausible {
+            return false;
+        }
+        let bypass = sides.bypass();
+        let is_around = |rule: &GateRule| {
+            // Half a step of tolerance: the walk is capped at the number asked for.
+            bypass * self.resolution_m >= rule.min_bypass_m - self.resolution_m / 2.0
+        };
+        is_clear && is_around(&config.clear)
+            || is_plausible
+                && is_around(&config.plausible)
+                && self.support(cleared, gate, &near) >= config.min_support
     }
 
-    fn fulfills(&self, rule: &GateRule, gate: &Gate, found: &Surroundings) -> bool {
+    /// Whether the jambs are as long and both sides as wide as `rule` asks.
+    fn has_form(&self, rule: &GateRule, gate: &Gate, sides: &[Side; 2]) -> bool {
         let half = gate.width / 2.0;
         let wide_enough = |side: &Side| {
             (side.near_clearance as f64).sqrt() >= rule.near_widening * half
@@ -47,10 +61,7 @@ impl Evidence<'_> {
         };
         let to_jamb: Vec2 = gate.across * half;
         let jambs = [gate.center + to_jamb, gate.center + to_jamb * -1.0];
-        // Half a step of tolerance: the walk is capped at the number asked for.
-        found.bypass * self.resolution_m >= rule.min_bypass_m - self.resolution_m / 2.0
-            && found.sides.iter().all(wide_enough)
-            && jambs.iter().all(|&jamb| self.is_jamb(jamb, rule.min_jamb_m))
+        sides.iter().all(wide_enough) && jambs.iter().all(|&jamb| self.is_jamb(jamb, rule.min_jamb_m))
     }
 
     /// Whether there is an obstacle of at least this length at most 1.25 columns and rows from `point`. Outside of the map
@@ -73,7 +84,7 @@ impl Evidence<'_> {
 
     /// How much the labels speak for a doorway, 0 to 1: the mean probability of one in it, or the largest
     /// difference between the two sides in the mean probability of another class.
-    fn support(&self, cleared: &CellGraph, gate: &Gate, found: &Surroundings) -> f64 {
+    fn support(&self, cleared: &CellGraph, gate: &Gate, [one, other]: &[Side; 2]) -> f64 {
         let mean = |nodes: &[usize], wanted: &dyn Fn(usize) -> bool| {
             let rows: Vec<&[f32]> = (nodes.iter())
                 .filter_map(|&node| self.graph.node_at(cleared.cell(node)))
@@ -88,7 +99,6 @@ impl Evidence<'_> {
             self.label_set.labels().map(|label| self.label_set.role(label) == Role::Doorway).collect();
         let margin = self.config.margin_m / self.resolution_m;
         let of_doorway = mean(&paint::strip(cleared, gate, margin), &|k| is_doorway[k]);
-        let [one, other] = &found.sides;
         (0..is_doorway.len())
             .filter(|&k| !is_doorway[k])
             .map(|k| (mean(&one.label_nodes, &|l| l == k) - mean(&other.label_nodes, &|l| l == k)).abs())

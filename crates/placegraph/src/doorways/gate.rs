@@ -62,23 +62,22 @@ pub(super) fn candidates(
     found
 }
 
-/// The gates among `candidates` that `is_doorway` accepts, but none whose strip, with `margin` cells on both sides, begins
-/// in that of an earlier one: seen from aside, a door has a second shortest line. Of gates that are equally wide and deep
-/// none is earlier.
-pub(super) fn accepted(candidates: &[Gate], margin: f64, is_doorway: impl Fn(&Gate) -> bool) -> Vec<Gate> {
-    let mut accepted: Vec<Gate> = Vec::new();
+/// `gates`, in the order of [`candidates`], but none whose strip, with `margin` cells on both sides, begins in that of an
+/// earlier one: seen from aside, a door has a second shortest line. Of gates that are equally wide and deep none is earlier.
+pub(super) fn distinct(gates: &[Gate], margin: f64) -> Vec<Gate> {
+    let mut distinct: Vec<Gate> = Vec::new();
     #[expect(clippy::float_cmp, reason = "the same shape has the same width and depth, to the last bit")]
-    for equal in candidates.chunk_by(|a, b| a.width == b.width && a.depth == b.depth) {
+    for equal in gates.chunk_by(|a, b| a.width == b.width && a.depth == b.depth) {
         let lies_in = |gate: &Gate, other: &Gate| {
             let (across, along) = other.local(gate.center);
             across.abs() <= other.width / 2.0
                 && along.abs() <= f64::midpoint(other.depth, gate.depth) + 2.0 * margin
         };
-        let is_new = |gate: &&Gate| !accepted.iter().any(|other| lies_in(gate, other)) && is_doorway(gate);
+        let is_new = |gate: &&Gate| !distinct.iter().any(|other| lies_in(gate, other));
         let new: Vec<Gate> = equal.iter().filter(is_new).copied().collect();
-        accepted.extend(new);
+        distinct.extend(new);
     }
-    accepted
+    distinct
 }
 
 pub(super) fn center_of(cell: Cell) -> Point2 {

@@ -22,6 +22,8 @@ mod saddles;
 mod sides;
 mod walls;
 
+use rayon::prelude::*;
+
 use crate::grid::{CellGraph, Obstacles};
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
 use evidence::Evidence;
@@ -148,14 +150,15 @@ fn strips(
     let candidates = gate::candidates(&cleared, &clearance, resolution_m, config);
     let evidence = Evidence { graph, field, label_set, obstacles, resolution_m, config };
     let margin = cells(config.margin_m);
-    let gates = gate::accepted(&candidates, margin, |gate| evidence.is_doorway(&cleared, &clearance, gate));
+    let is_doorway = |gate: &gate::Gate| evidence.is_doorway(&cleared, &clearance, gate);
+    let gates: Vec<gate::Gate> = candidates.into_par_iter().filter(is_doorway).collect();
     let of_map = |node: usize| graph.node_at(cleared.cell(node));
     let strip = |gate: &gate::Gate| {
         let turned = walls::aligned(&cleared, &clearance, resolution_m, *gate);
         let gate = gate::with_depth(&cleared, turned, cells(config.max_depth_m)).unwrap_or(*gate);
         paint::strip(&cleared, &gate, margin).into_iter().filter_map(of_map).collect()
     };
-    gates.iter().map(strip).collect()
+    gate::distinct(&gates, margin).par_iter().map(strip).collect()
 }
 
 /// The label of a role that `wanted` accepts with the largest sum over `nodes`; ties go to the lower label.

@@ -3,14 +3,18 @@
 use super::gate::{Gate, center_of};
 use crate::grid::{Cell, CellGraph, Connectivity};
 
-/// Free cells between the jambs, at most `half_depth` cells along the passage from the center, in order.
-pub(super) fn nodes_in(graph: &CellGraph, gate: &Gate, half_depth: f64) -> Vec<usize> {
-    let reach = (gate.width / 2.0).hypot(half_depth) + 1.0;
+/// The cells of the map in the square of `reach` cells around the center of a gate, in order.
+pub(super) fn cells_within(graph: &CellGraph, gate: &Gate, reach: f64) -> impl Iterator<Item = Cell> {
     let range = |middle: f64, side: u32| {
         ((middle - reach).max(0.0) as u32)..((middle + reach).max(0.0) as u32 + 1).min(side)
     };
-    range(gate.center.y, graph.height())
-        .flat_map(|y| range(gate.center.x, graph.width()).map(move |x| Cell::new(x, y)))
+    let columns = range(gate.center.x, graph.width());
+    range(gate.center.y, graph.height()).flat_map(move |y| columns.clone().map(move |x| Cell::new(x, y)))
+}
+
+/// Free cells between the jambs, at most `half_depth` cells along the passage from the center, in order.
+pub(super) fn nodes_in(graph: &CellGraph, gate: &Gate, half_depth: f64) -> Vec<usize> {
+    cells_within(graph, gate, (gate.width / 2.0).hypot(half_depth) + 1.0)
         .filter(|&cell| {
             let (across, along) = gate.local(center_of(cell));
             // The jambs are centers of walls: free cells between them end one cell before.

@@ -1,8 +1,11 @@
 //! Clearance and its saddles: level stretches with higher ground on two sides.
 
 use std::cmp::Ordering;
+use std::ops::Range;
 
-use crate::grid::{CellGraph, Connectivity, NO_NODE, squared_clearances};
+use rayon::prelude::*;
+
+use crate::grid::{Cell, CellGraph, Connectivity, NO_NODE, squared_clearances};
 
 /// Squared distance of every node to the nearest center of a cell that is not free, in cells.
 pub(super) fn squared_clearance(graph: &CellGraph) -> Vec<i64> {
@@ -16,56 +19,85 @@ pub(super) fn squared_clearance(graph: &CellGraph) -> Vec<i64> {
 /// Where the map is flooded from the widest places down, spaces meet, or close a loop, at saddles only: there the nodes
 /// around that have more clearance form two or more groups. Taken as a whole, a level stretch is a saddle or none
 /// whichever way the map is turned.
-pub(super) fn saddles(graph: &CellGraph, clearance: &[i64], is_wanted: impl Fn(i64) -> bool) -> Vec<usize> {
-    let mut is_seen = vec![false; graph.n_nodes()];
-    let mut found = Vec::new();
-    for (start, cell) in graph.cells_in_rows(0..graph.height()).enumerate() {
-        if is_seen[start] || !is_wanted(clearance[start]) {
-            continue;
-        }
-        is_seen[start] = true;
-        let (mut level, mut higher) = (vec![(start, cell)], Vec::new());
-        let mut next = 0;
-        while let Some(&(node, cell)) = level.get(next) {
-            next += 1;
-            for neighbor in graph.around(cell).into_iter().flatten().filter(|&neighbor| neighbor != NO_NODE) {
-                let neighbor = neighbor as usize;
-                match clearance[neighbor].cmp(&clearance[node]) {
-                    Ordering::Greater => higher.push(neighbor),
-                    Ordering::Equal if !is_seen[neighbor] => {
-                        is_seen[neighbor] = true;
-                        level.push((neighbor, graph.cell(neighbor)));
-                    }
-                    _ => {}
-                }
-            }
-        }
-        if n_groups(graph, higher) >= 2 {
-            found.extend(level.into_iter().map(|(node, _)| node));
-        }
-    }
+pub(super) fn saddles(
+    graph: &CellGraph,
+    clearance: &[i64],
+    is_wanted: impl Fn(i64) -> bool + Sync,
+) -> Vec<usize> {
+    // A level stretch belongs to the strip of rows that has its first node.
+    let n_strips = (rayon::current_num_threads() as u32).min(graph.height());
+    let row = |strip: u32| (u64::from(strip) * u64::from(graph.height()) / u64::from(n_strips)) as u32;
+    let of_strip = |strip| saddles_from(graph, clearance, &is_wanted, row(strip)..row(strip + 1));
+    let mut found: Vec<usize> = (0..n_strips).into_par_iter().flat_map_iter(of_strip).collect();
     found.sort_unstable();
     found
 }
 
-/// Number of 8-connected groups of `nodes`.
-fn n_groups(graph: &CellGraph, mut nodes: Vec<usize>) -> usize {
-    nodes.sort_unstable();
-    nodes.dedup();
-    let mut is_seen = vec![false; nodes.len()];
+/// The saddles that have their first node in `rows`.
+fn saddles_from(
+    graph: &CellGraph,
+    clearance: &[i64],
+    is_wanted: impl Fn(i64) -> bool,
+    rows: Range<u32>,
+) -> Vec<usize> {
+    let nodes = graph.nodes_in_rows(rows.clone());
+    let mut is_seen = vec![false; graph.n_nodes() - nodes.start];
+    let mut found = Vec::new();
+    let (mut level, mut higher): (Vec<(usize, Cell)>, Vec<Cell>) = (Vec::new(), Vec::new());
+    for (start, cell) in nodes.clone().zip(graph.cells_in_rows(rows)) {
+        if is_seen[start - nodes.start] || !is_wanted(clearance[start]) {
+            continue;
+        }
+        is_seen[start - nodes.start] = true;
+        level.clear();
+        higher.clear();
+        level.push((start, cell));
+        let mut next = 0;
+        let mut is_from_before = false;
+        while let Some(&(node, cell)) = level.get(next) {
+            next += 1;
+            for (row, y) in graph.around(cell).into_iter().zip(-1..) {
+                for (neighbor, x) in row.into_iter().zip(-1..).filter(|&(neighbor, _)| neighbor != NO_NODE) {
+                    let neighbor = neighbor as usize;
+                    match clearance[neighbor].cmp(&clearance[node]) {
+                        Ordering::Greater => higher.push(cell.moved(x, y)),
+                        Ordering::Equal if neighbor < nodes.start => is_from_before = true,
+                        Ordering::Equal if !is_seen[neighbor - nodes.start] => {
+                            is_seen[neighbor - nodes.start] = true;
+                            level.push((neighbor, cell.moved(x, y)));
+                        }
+                        _ => {}
+                    }
+                }
+            }
+        }
+        if !is_from_before && n_groups(&mut higher) >= 2 {
+            found.extend(level.iter().map(|(node, _)| node));
+        }
+    }
+    found
+}
+
+/// Number of 8-connected groups of `cells`.
+fn n_groups(cells: &mut Vec<Cell>) -> usize {
+    let key = |cell: &Cell| (cell.y, cell.x);
+    cells.sort_unstable_by_key(key);
+    cells.dedup();
+    let mut is_seen = vec![false; cells.len()];
+    let mut open = Vec::new();
     let mut n = 0;
-    for start in 0..nodes.len() {
+    for start in 0..cells.len() {
         if std::mem::replace(&mut is_seen[start], true) {
             continue;
         }
         n += 1;
-        let mut open = vec![nodes[start]];
-        while let Some(node) = open.pop() {
-            for neighbor in graph.neighbors(node, Connectivity::Eight) {
-                if let Ok(position) = nodes.binary_search(&neighbor)
+        open.push(cells[start]);
+        while let Some(cell) = open.pop() {
+            for step in Connectivity::Eight.steps() {
+                if let Ok(position) = cells.binary_search_by_key(&key(&cell.moved(step.0, step.1)), key)
                     && !std::mem::replace(&mut is_seen[position], true)
                 {
-                    open.push(neighbor);
+                    open.push(cells[position]);
                 }
             }
         }

@@ -1,8 +1,7 @@
 //! What lies on the two sides of a gate.
 
-use std::collections::VecDeque;
-
 use super::gate::{Gate, center_of};
+use super::paint;
 use crate::grid::{Cell, CellGraph, NO_NODE};
 
 /// How far from a gate its sides are looked at, in cells along the walk. A walk takes steps to 4- and 8-neighbors
@@ -32,68 +31,119 @@ pub(super) struct Side {
     pub(super) label_nodes: Vec<usize>,
 }
 
-/// Both sides of a gate, and the way around it.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Surroundings {
-    pub(super) sides: [Side; 2],
-    /// Length of the shortest walk from one side to the other that does not pass the gate, at most
-    /// [`Walks::bypass`].
-    pub(super) bypass: f64,
+/// The two sides of a gate, as far as they were flooded.
+pub(super) struct Sides<'a> {
+    clearance: &'a [i64],
+    walks: &'a Walks,
+    window: Window,
+    floods: [Flood; 2],
 }
 
-/// Floods both sides of `gate`. Cost: linear in the cells within reach.
-pub(super) fn surroundings(graph: &CellGraph, clearance: &[i64], gate: &Gate, walks: &Walks) -> Surroundings {
-    let reach = walks.far.max(walks.labels.1).max(walks.bypass / 2.0).ceil() as u32;
-    let window = Window::around(graph, gate, reach);
-    let mut sides = [Side::default(), Side::default()];
-    let mut bypass = walks.bypass;
-    // Steps to the first side, to tell where the two meet.
-    let mut first: Vec<Option<u32>> = Vec::new();
-    for (side, direction) in sides.iter_mut().zip([1.0, -1.0]) {
-        let mut steps: Vec<Option<u32>> = vec![None; window.n_cells()];
-        let mut open: VecDeque<(usize, Cell)> = VecDeque::new();
-        for node in beside(graph, gate, direction) {
-            let cell = graph.cell(node);
-            steps[window.index(cell)] = Some(0);
-            open.push_back((node, cell));
-        }
-        while let Some((node, cell)) = open.pop_front() {
-            let here = window.index(cell);
-            let walked = steps[here].unwrap_or(0);
-            side.visit(node, clearance[node], walked as f64, walks);
-            if let Some(Some(other)) = first.get(here) {
-                bypass = bypass.min((walked + other) as f64);
-            }
-            if walked >= reach {
-                continue;
-            }
-            let around = graph.around(cell);
-            for &step in &RING[..if walked.is_multiple_of(2) { 8 } else { 4 }] {
-                let Some(next) = reachable(&around, step) else { continue };
-                let cell = cell.moved(step.0, step.1);
-                let known = &mut steps[window.index(cell)];
-                if known.is_none() && !is_on_line(gate, cell) {
-                    *known = Some(walked + 1);
-                    open.push_back((next, cell));
-                }
-            }
-        }
-        first = steps;
+/// A flood of one side, from the gate.
+struct Flood {
+    /// Length of the walk to every cell of the window.
+    steps: Vec<u32>,
+    /// Positions in the window in the order in which they were reached, and which of them is next.
+    reached: Vec<u32>,
+    next: usize,
+}
+
+/// No walk has come here yet.
+const UNKNOWN: u32 = u32::MAX;
+/// No walk shall come here: the line between the jambs.
+const CLOSED: u32 = u32::MAX - 1;
+
+impl<'a> Sides<'a> {
+    /// Cost: linear in the cells within reach.
+    pub(super) fn of(graph: &CellGraph, clearance: &'a [i64], gate: &Gate, walks: &'a Walks) -> Self {
+        let reach = walks.far.max(walks.labels.1).max(walks.bypass / 2.0).ceil() as u32;
+        let window = Window::around(graph, gate, reach);
+        let floods = [1.0, -1.0].map(|direction| Flood::from(graph, gate, direction, &window));
+        Self { clearance, walks, window, floods }
     }
-    Surroundings { sides, bypass }
+
+    /// What a walk of the far or the labels' length finds, on both sides.
+    pub(super) fn near(&mut self) -> [Side; 2] {
+        let reach = self.walks.far.max(self.walks.labels.1).ceil() as u32;
+        self.floods.each_mut().map(|flood| {
+            flood.advance(&self.window, reach);
+            let mut side = Side::default();
+            for &at in &flood.reached {
+                let (node, walked) = (self.window.nodes[at as usize] as usize, flood.steps[at as usize]);
+                side.visit(node, self.clearance[node], walked as f64, self.walks);
+            }
+            side
+        })
+    }
+
+    /// Length of the shortest walk from one side to the other that does not pass the gate, at most [`Walks::bypass`].
+    pub(super) fn bypass(&mut self) -> f64 {
+        // The middle of a walk of that length is at most half of it from both sides.
+        let reach = (self.walks.bypass / 2.0).ceil() as u32;
+        for flood in &mut self.floods {
+            flood.advance(&self.window, reach);
+        }
+        let [one, other] = &self.floods;
+        let meetings = (one.reached.iter())
+            .map(|&at| (one.steps[at as usize], other.steps[at as usize]))
+            .filter(|&(_, other)| other < CLOSED);
+        let shortest = meetings.map(|(one, other)| one + other).min();
+        shortest.map_or(self.walks.bypass, |steps| self.walks.bypass.min(steps as f64))
+    }
 }
 
-/// Steps to the 4-neighbors, then to the diagonal ones.
-const RING: [(i32, i32); 8] = [(1, 0), (0, 1), (-1, 0), (0, -1), (1, 1), (-1, 1), (-1, -1), (1, -1)];
+impl Flood {
+    /// The start of a flood: the cells just beside the line.
+    fn from(graph: &CellGraph, gate: &Gate, direction: f64, window: &Window) -> Self {
+        let mut flood = Self { steps: vec![UNKNOWN; window.nodes.len()], reached: Vec::new(), next: 0 };
+        for node in paint::nodes_in(graph, gate, 1.75) {
+            let cell = graph.cell(node);
+            let at = window.index(cell);
+            if gate.local(center_of(cell)).1 * direction > 0.75 {
+                flood.steps[at] = 0;
+                flood.reached.push(at as u32);
+            }
+        }
+        for cell in paint::cells_within(graph, gate, (gate.width / 2.0).hypot(0.75) + 1.0) {
+            // So thick that no step of four crosses it.
+            let (across, along) = gate.local(center_of(cell));
+            if along.abs() <= 0.75 && across.abs() <= gate.width / 2.0 + 0.5 {
+                flood.steps[window.index(cell)] = CLOSED;
+            }
+        }
+        flood
+    }
 
-/// The node one step from the middle of `around`; a diagonal step does not pass between two cells that are not free.
-fn reachable(around: &[[u32; 3]; 3], (dx, dy): (i32, i32)) -> Option<usize> {
-    let at = |dx: i32, dy: i32| {
-        let node = around[(dy + 1) as usize][(dx + 1) as usize];
-        (node != NO_NODE).then_some(node as usize)
-    };
-    let may_pass = dx == 0 || dy == 0 || at(dx, 0).is_some() || at(0, dy).is_some();
-    at(dx, dy).filter(|_| may_pass)
+    /// Goes on until everything is found that is at most `reach` steps away.
+    fn advance(&mut self, window: &Window, reach: u32) {
+        let row = window.width as isize;
+        // To the 4-neighbors, then to the diagonal ones, with the two cells that those pass between.
+        let straight = [1, row, -1, -row];
+        let diagonal = [[1, row], [-1, row], [-1, -row], [1, -row]];
+        let is_free = |at: usize| window.nodes[at] != NO_NODE;
+        while let Some(&at) = self.reached.get(self.next) {
+            let at = at as usize;
+            let walked = self.steps[at];
+            if walked >= reach {
+                return;
+            }
+            self.next += 1;
+            let mut step = |offset: isize| {
+                let to = at.wrapping_add_signed(offset);
+                if is_free(to) && self.steps[to] == UNKNOWN {
+                    self.steps[to] = walked + 1;
+                    self.reached.push(to as u32);
+                }
+            };
+            straight.into_iter().for_each(&mut step);
+            if walked.is_multiple_of(2) {
+                let may_pass = |beside: [isize; 2]| {
+                    beside.into_iter().any(|offset| is_free(at.wrapping_add_signed(offset)))
+                };
+                diagonal.into_iter().filter(|&beside| may_pass(beside)).for_each(|[x, y]| step(x + y));
+            }
+        }
+    }
 }
 
 impl Side {
@@ -111,39 +161,34 @@ impl Side {
     }
 }
 
-/// The cells of the map that a flood can reach: a square, cut off where the map ends.
+/// The cells of the map that a flood can reach, and a cell more on every side: a square, cut off where the map ends.
 struct Window {
-    low: Cell,
+    low: (i64, i64),
     width: usize,
-    height: usize,
+    /// Nodes, row by row; [`NO_NODE`] where a cell is not free, and along the border.
+    nodes: Vec<u32>,
 }
 
 impl Window {
     fn around(graph: &CellGraph, gate: &Gate, reach: u32) -> Self {
         let radius = reach as f64 + gate.width / 2.0 + 3.0;
-        let low = |middle: f64| (middle - radius).max(0.0) as u32;
-        let side = |low: u32, side: u32| (2 * radius as usize + 3).min((side - low.min(side)) as usize);
-        let (x, y) = (low(gate.center.x), low(gate.center.y));
-        Self { low: Cell::new(x, y), width: side(x, graph.width()), height: side(y, graph.height()) }
-    }
-
-    fn n_cells(&self) -> usize {
-        self.width * self.height
+        let range = |middle: f64, side: u32| {
+            (middle - radius).max(0.0) as u32..((middle + radius).ceil() as u32).saturating_add(1).min(side)
+        };
+        let (columns, rows) = (range(gate.center.x, graph.width()), range(gate.center.y, graph.height()));
+        let (width, height) = (columns.len() + 2, rows.len() + 2);
+        let mut nodes = vec![NO_NODE; width * height];
+        for (y, row) in rows.clone().zip(nodes[width..].chunks_exact_mut(width)) {
+            let first_node = graph.n_nodes_before(y, columns.start) as u32;
+            for (x, node) in graph.columns(y, columns.clone()).zip(first_node..) {
+                row[(x - columns.start) as usize + 1] = node;
+            }
+        }
+        Self { low: (i64::from(columns.start) - 1, i64::from(rows.start) - 1), width, nodes }
     }
 
     fn index(&self, cell: Cell) -> usize {
-        (cell.y - self.low.y) as usize * self.width + (cell.x - self.low.x) as usize
+        let (x, y) = (i64::from(cell.x) - self.low.0, i64::from(cell.y) - self.low.1);
+        y as usize * self.width + x as usize
     }
-}
-
-/// Whether a cell lies on the line between the jambs, so thick that no step of four crosses it.
-fn is_on_line(gate: &Gate, cell: Cell) -> bool {
-    let (across, along) = gate.local(center_of(cell));
-    along.abs() <= 0.75 && across.abs() <= gate.width / 2.0 + 0.5
-}
-
-/// Free cells just beside the line.
-fn beside(graph: &CellGraph, gate: &Gate, direction: f64) -> Vec<usize> {
-    let is_beside = |&node: &usize| gate.local(center_of(graph.cell(node))).1 * direction > 0.75;
-    super::paint::nodes_in(graph, gate, 1.75).into_iter().filter(is_beside).collect()
 }

@@ -1,6 +1,6 @@
 use super::gate::Gate;
 use super::saddles::squared_clearance;
-use super::sides::{Walks, surroundings};
+use super::sides::{Sides, Walks};
 use super::{DoorwayConfig, mark};
 use crate::geom::{Point2, Vec2};
 use crate::grid::{Cell, CellGraph, Grid, Occupancy};
@@ -141,11 +141,12 @@ fn walks_measure_both_sides_of_a_gate_and_the_way_around() {
     let clearance = squared_clearance(&graph);
     let gate = Gate { center: Point2::new(20.5, 10.5), across: Vec2::new(0.0, 1.0), width: 6.0, depth: 1.0 };
     let walks = Walks { near: 1.0, far: 2.0, labels: (0.5, 1.5), bypass: 60.0 };
-    let found = surroundings(&graph, &clearance, &gate, &walks);
+    let mut sides = Sides::of(&graph, &clearance, &gate, &walks);
+    let [left, right] = sides.near();
+    let bypass = sides.bypass();
     // From row 12 up to row 16, with a diagonal step onto the end of the wall and one down from it: 6 steps up to
     // the end, 6 down.
-    assert!((found.bypass - 10.0).abs() < 1e-12, "{}", found.bypass);
-    let [left, right] = &found.sides;
+    assert!((bypass - 10.0).abs() < 1e-12, "{bypass}");
     assert_eq!(left.near_clearance, right.near_clearance);
     assert!(left.far_clearance > left.near_clearance);
     // Five cells beside the line; with the first step, to 8-neighbors, two above and below them and seven in the next

@@ -5,6 +5,7 @@
 //! it lies.
 
 use super::gate::{Gate, center_of};
+use super::paint;
 use crate::geom::Vec2;
 use crate::grid::{Cell, CellGraph};
 
@@ -46,27 +47,21 @@ fn fourth_power(v: Vec2) -> Vec2 {
 /// complex numbers. `None` if they do not agree.
 fn direction(graph: &CellGraph, clearance: &[i64], gate: &Gate, radius: f64) -> Option<Vec2> {
     let height = |node: usize| (clearance[node] as f64).sqrt();
-    let gradient = |node: usize| {
-        let at = |step| graph.node_at_step(node, step).map(height);
+    let gradient = |cell: Cell| {
+        let at = |step| graph.node_beside(cell, step).map(height);
         Some(Vec2::new(at((1, 0))? - at((-1, 0))?, at((0, 1))? - at((0, -1))?))
-    };
-    let range = |middle: f64, side: u32| {
-        ((middle - radius).max(0.0) as u32)..((middle + radius) as u32 + 1).min(side)
     };
     // Sums of whole steps do not depend on the order of the cells.
     let (mut sum, mut n) = ([0i64; 2], 0i64);
-    for y in range(gate.center.y, graph.height()) {
-        for x in range(gate.center.x, graph.width()) {
-            let cell = Cell::new(x, y);
-            let Some(node) = graph.node_at(cell) else { continue };
-            if center_of(cell).distance(gate.center) > radius || !FROM_WALL.contains(&height(node)) {
-                continue;
-            }
-            let Some(gradient) = gradient(node).filter(|g| g.length() > 0.0) else { continue };
-            let power = fourth_power(gradient * (1.0 / gradient.length()));
-            sum = [sum[0] + (power.x * STEPS).round() as i64, sum[1] + (power.y * STEPS).round() as i64];
-            n += 1;
+    for cell in paint::cells_within(graph, gate, radius) {
+        let Some(node) = graph.node_at(cell) else { continue };
+        if center_of(cell).distance(gate.center) > radius || !FROM_WALL.contains(&height(node)) {
+            continue;
         }
+        let Some(gradient) = gradient(cell).filter(|g| g.length() > 0.0) else { continue };
+        let power = fourth_power(gradient * (1.0 / gradient.length()));
+        sum = [sum[0] + (power.x * STEPS).round() as i64, sum[1] + (power.y * STEPS).round() as i64];
+        n += 1;
     }
     let mean = |sum: i64| sum as f64 / (n as f64 * STEPS);
     let mean = (n > 0).then(|| Vec2::new(mean(sum[0]), mean(sum[1])))?;

@@ -75,7 +75,10 @@ pub(super) fn draw(svg: &str, pixmap: &mut Pixmap) {
 
 /// An opaque picture as PNG.
 pub(super) fn encode(pixmap: &Pixmap) -> Vec<u8> {
-    let rgb: Vec<u8> = pixmap.data().chunks_exact(4).flat_map(|rgba| [rgba[0], rgba[1], rgba[2]]).collect();
+    let mut rgb = vec![0; pixmap.data().len() / 4 * 3];
+    for (rgb, rgba) in rgb.chunks_exact_mut(3).zip(pixmap.data().chunks_exact(4)) {
+        rgb.copy_from_slice(&rgba[..3]);
+    }
     let mut png = Vec::new();
     let encoder = PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Up);
     #[expect(clippy::expect_used, reason = "a vector takes every byte, and the sizes agree")]

@@ -53,8 +53,10 @@ pub(super) fn clipped_differences(d: &Ranges, with_sd: bool, values: &mut Values
                     );
                     return (mean, Lanes::all(0.0));
                 }
-                for i in beams(N_BEAMS, 1) {
-                    differences[i] = clipped_difference(d, limit, i);
+                for start in beams(N_BEAMS, TOGETHER) {
+                    for (difference, i) in differences[start..start + TOGETHER].iter_mut().zip(start..) {
+                        *difference = clipped_difference(d, limit, i);
+                    }
                 }
                 mean_and_sd(
                     N_BEAMS,

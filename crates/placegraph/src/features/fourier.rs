@@ -115,7 +115,7 @@ impl Row {
         (length(re_cos + im_sin, im_cos - re_sin), length(re_cos - im_sin, im_cos + re_sin))
     }
 
-    /// Adds vertices with weights `z`, and turns the weights into those of the next row.
+    /// Adds vertices with weights `z`, and turns the weights into those of the next row, if there is one.
     #[inline(always)]
     fn add(
         &mut self,
@@ -123,6 +123,7 @@ impl Row {
         powers: &[Powers; CHUNK],
         step: &[[Singles; 2]; CHUNK],
         needed: [bool; B + 1],
+        is_last: bool,
     ) {
         let n_needed = needed[1..].iter().filter(|&&needed| needed).count();
         if n_needed > 3 {
@@ -134,7 +135,9 @@ impl Row {
                 for (sums, power) in sums.products.iter_mut().zip(powers) {
                     add_products(sums, z, power);
                 }
-                *z = product(*z, *step);
+                if !is_last {
+                    *z = product(*z, *step);
+                }
             }
             *self = sums;
             return;
@@ -153,8 +156,10 @@ impl Row {
             }
             self.products[b] = sums;
         }
-        for i in beams(CHUNK, 1) {
-            z[i] = product(z[i], step[i]);
+        if !is_last {
+            for i in beams(CHUNK, 1) {
+                z[i] = product(z[i], step[i]);
+            }
         }
     }
 }
@@ -202,18 +207,22 @@ fn row_sums(
             let one = powers[i][0];
             let two = product(one, one);
             let three = product(two, one);
-            let five = product(three, two);
-            powers[i] = [one, two, three, product(two, two), five];
-            let eleven = product(product(five, five), one);
-            row_step[i] = [eleven[0], -eleven[1]];
+            powers[i] = [one, two, three, product(two, two), product(three, two)];
+        }
+        if needed.len() > 1 {
+            for i in beams(CHUNK, 1) {
+                let [one, .., five] = powers[i];
+                let eleven = product(product(five, five), one);
+                row_step[i] = [eleven[0], -eleven[1]];
+            }
         }
         for i in beams(CHUNK, 1) {
             let u = direction(d, directions, outline, start + i);
             z[i] = [u_before[0] - u[0], u_before[1] - u[1]];
             u_before = u;
         }
-        for (sums, &needed) in sums.iter_mut().zip(needed) {
-            sums.add(&mut z, &powers, &row_step, needed);
+        for (row, &of_row) in needed.iter().enumerate() {
+            sums[row].add(&mut z, &powers, &row_step, of_row, row + 1 == needed.len());
         }
     }
     sums

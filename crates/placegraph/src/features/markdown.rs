@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::registry::{Feature, Scale, chapter183, freiburg203, old152, registry};
+use super::registry::{Feature, Scale, chapter183, freiburg203, lean120, old152, registry};
 
 const INTRODUCTION: &str = "\
 # Features
@@ -48,11 +48,13 @@ pub fn markdown() -> String {
          | `all` | {} | every row above |\n\
          | `freiburg203` | {} | the author's program, which the chapter's experiments count; without A4, A8, B13, B14 |\n\
          | `chapter183` | {} | all that have a number in the appendices |\n\
-         | `old152` | {} | of `freiburg203`, those of Sect. 3.4: without A11 to A16, B15 to B17 and the last section |\n",
+         | `old152` | {} | of `freiburg203`, those of Sect. 3.4: without A11 to A16, B15 to B17 and the last section |\n\
+         | `lean120` | {} | all that are cheap: without A8 and B6 above 5 |\n",
         registry().len(),
         freiburg203().len(),
         chapter183().len(),
         old152().len(),
+        lean120().len(),
     );
     page
 }

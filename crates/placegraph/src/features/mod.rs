@@ -23,5 +23,5 @@ mod values;
 
 pub use engine::{BlockValues, Job, evaluate, extract, of_scan};
 pub use markdown::markdown;
-pub use registry::{Feature, Scale, all, chapter183, freiburg203, old152, registry};
+pub use registry::{Feature, Scale, all, chapter183, freiburg203, lean120, old152, registry};
 pub use table::{FeatureId, FeatureTable};

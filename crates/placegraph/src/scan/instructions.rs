@@ -1,10 +1,12 @@
 //! The choice of vector instructions at run time.
 
+use std::sync::LazyLock;
+
 /// Which vector instructions the engine uses. All choices give the same bits: the code is the same, compiled
 /// several times, and never fuses a multiplication with an addition.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Instructions {
-    /// The widest that this machine has.
+    /// The widest that this machine has, unless [`Instructions::VARIABLE`] names others.
     #[default]
     Widest,
     /// Vectors of 256 bits (AVX2) where this machine has them, else [`Instructions::Baseline`]; for tests and benches.
@@ -17,18 +19,45 @@ impl Instructions {
     /// Every choice.
     pub const ALL: [Self; 3] = [Self::Widest, Self::Avx2, Self::Baseline];
 
+    /// The variable of the process that says what [`Instructions::Widest`] is, by [`Instructions::name`]: so that the whole
+    /// program can be measured, and its results compared, on all of them.
+    pub const VARIABLE: &'static str = "PLACEGRAPH_INSTRUCTIONS";
+
+    /// Its name in [`Instructions::VARIABLE`].
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Widest => "widest",
+            Self::Avx2 => "avx2",
+            Self::Baseline => "plain",
+        }
+    }
+
+    /// The choice called `name`.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|choice| choice.name() == name)
+    }
+
     /// Runs `work`, compiled for these instructions as far as its calls are inlined: mark the closure
     /// `#[inline(always)]`.
     #[inline(always)]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
         let arch = match self {
-            Self::Widest => pulp::Arch::new(),
+            Self::Widest => *WIDEST,
             Self::Avx2 => avx2(),
             Self::Baseline => pulp::Arch::Scalar,
         };
         arch.dispatch(work)
     }
 }
+
+static WIDEST: LazyLock<pulp::Arch> = LazyLock::new(|| {
+    let named = std::env::var(Instructions::VARIABLE).ok();
+    match named.as_deref().and_then(Instructions::from_name).unwrap_or_default() {
+        Instructions::Widest => pulp::Arch::new(),
+        Instructions::Avx2 => avx2(),
+        Instructions::Baseline => pulp::Arch::Scalar,
+    }
+});
 
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 fn avx2() -> pulp::Arch {
