@@ -8,6 +8,8 @@ use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::regions::{connected, contacts, properties};
 use placegraph::topology::build;
 
+mod maps;
+
 /// Rooms of 4.5 × 3.5 m along corridors, with doorways and ragged walls, at 5 cm a cell; the label of every cell, if it is free.
 fn label(Cell { x, y }: Cell) -> Option<Label> {
     let (column, row) = (x % 90, y % 180);
@@ -27,6 +29,8 @@ fn regions(criterion: &mut Criterion) {
     let labeling: Vec<Label> = cells().filter_map(label).collect();
     let frame = MapFrame::new(0.05, placegraph::geom::Pose2::default()).unwrap();
     let field = LabelField::from_rows(3, [0.5, 0.25, 0.25].repeat(graph.n_nodes()));
+    let bytes: Vec<u8> = cells().map(|cell| label(cell).map_or(0, |label| label.0 + 1)).collect();
+    maps::dump(4000, 4000, &bytes);
     let found = connected(&graph, &labeling, DiagonalSteps::default());
 
     let mut group = criterion.benchmark_group("16 M cells");

@@ -27,7 +27,7 @@ use placegraph_testkit::regions::flood_fill;
 
 mod maps;
 
-use maps::{is_door, office};
+use maps::{dump, is_door, office};
 
 /// Widths of the maps: 20 000, 300 000 and a million cells.
 const WIDTHS: [u32; 3] = [160, 640, 1160];
@@ -68,7 +68,7 @@ fn stages(criterion: &mut Criterion) {
         let image = Image::from_fn(grid.cells.width(), grid.cells.height(), |x, y| {
             image::Luma([graph.node_at(Cell::new(x, y)).map_or(0, |node| labeling[node].0 + 1)])
         });
-        dump(&image);
+        dump(image.width(), image.height(), image.as_raw());
         let mut group = criterion.benchmark_group("stages");
         group.sample_size(10).sampling_mode(SamplingMode::Flat).throughput(Throughput::Elements(n as u64));
         let mut bench = |name: &str, run: &dyn Fn()| {
@@ -99,14 +99,6 @@ fn stages(criterion: &mut Criterion) {
         bench("labels.png", &|| drop(export::label_png(&graph, &labeling)));
         bench("overview.png", &|| drop(export::overview_png(&grid, &labeling, &set, &topology, "office")));
         group.finish();
-    }
-}
-
-/// Writes the labels for `peers/components.py` to the folder named by `PLACEGRAPH_DUMP`: 0 is a wall.
-fn dump(labels: &image::GrayImage) {
-    if let Ok(folder) = std::env::var("PLACEGRAPH_DUMP") {
-        let name = format!("{folder}/{}x{}.cells", labels.width(), labels.height());
-        std::fs::write(name, labels.as_raw()).unwrap();
     }
 }
 

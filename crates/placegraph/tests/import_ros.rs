@@ -228,6 +228,8 @@ fn bad_images_are_one_clear_error_each() {
     assert!(matches!(error(b"P5 4000000 4000000 255\n"), MapError::TooManyCells { .. }));
     assert!(matches!(error(b"P2 0 5 255\n"), MapError::Empty { width: 0, height: 5 }));
     assert!(matches!(error(b"\x89PNG\r\n\x1a\n rest"), MapError::ImageData { .. }));
+    let palette = include_bytes!("corpus/map_image/palette_cut_off.png");
+    assert!(error(palette).to_string().contains("a palette of 137 bytes"), "{}", error(palette));
 
     let folder = folder(YAML, b"P2 1 1 255 0");
     fs::remove_file(folder.path().join("map.pgm")).unwrap();

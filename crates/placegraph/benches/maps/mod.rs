@@ -1,4 +1,5 @@
 //! The map of the benches, at any size.
+#![allow(dead_code, reason = "every bench uses a part of it")]
 
 use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, Grid, MapFrame, Occupancy, OccupancyGrid};
@@ -28,4 +29,11 @@ fn is_on_wall_line(cell: Cell) -> bool {
 pub(crate) fn is_door(cell: Cell) -> bool {
     let (column, row) = (cell.x % ROOM.0, cell.y % ROOM.1);
     column == 0 && (20..38).contains(&row) || row == 0 && (40..58).contains(&column)
+}
+
+/// Writes labels for `peers/components.py` to the folder named by `PLACEGRAPH_DUMP`, a byte a cell: 0 is a wall.
+pub(crate) fn dump(width: u32, height: u32, labels: &[u8]) {
+    if let Ok(folder) = std::env::var("PLACEGRAPH_DUMP") {
+        std::fs::write(format!("{folder}/{width}x{height}.cells"), labels).unwrap();
+    }
 }

@@ -1,6 +1,6 @@
-"""Connected components by OpenCV and SciPy on the labels of benches/stages.rs.
+"""Connected components by OpenCV and SciPy on the labels of benches/stages.rs and benches/regions.rs.
 
-    PLACEGRAPH_DUMP=folder cargo bench -p placegraph --bench stages -- regions
+    PLACEGRAPH_DUMP=folder cargo bench -p placegraph --bench stages --bench regions
     python components.py folder
 
 Both know only two colors, so each class is looked at alone, as one has to. Prints processor seconds, best of three,

@@ -95,13 +95,32 @@ pub fn expand(graph: &CellGraph, potentials: &Potentials, start: &[Label]) -> La
 
 /// [`expand`] over the 8-neighborhood in little memory, 38 bytes per cell of the map of `graph`: with equal rewards `edge`, above 0,
 /// potentials rounded to 2⁻¹⁴ of them, and potentials that are not stored: `row` appends those of a node, one per label.
-pub(crate) fn expand_small(
-    graph: &CellGraph,
-    edge: &[f64],
-    start: &[Label],
-    row: impl Fn(usize, &mut Vec<f64>),
-) -> Labeling {
-    Expansion::<8, u16, _>::new(graph, edge, start, row).run()
+pub(crate) struct SmallExpansion<'a, R>(Expansion<'a, 8, u16, R>);
+
+impl<'a, R: Fn(usize, &mut Vec<f64>)> SmallExpansion<'a, R> {
+    /// An expansion from `start`.
+    pub(crate) fn new(graph: &'a CellGraph, edge: &[f64], start: &[Label], row: R) -> Self {
+        Self(Expansion::new(graph, edge, start, row))
+    }
+
+    /// The best labeling that is reached.
+    pub(crate) fn best(self) -> Labeling {
+        self.0.run()
+    }
+
+    /// With two labels: the best labeling where nodes around those of the graph have a label already, `given` by their
+    /// column and row as counted from a frame of one cell around the map. Where several are best, the one with
+    /// most nodes of the first label.
+    pub(crate) fn best_within(&mut self, given: impl Iterator<Item = ((u32, u32), Label)>) -> Labeling {
+        let expansion = &mut self.0;
+        assert_eq!(expansion.n_labels, 2, "an expansion of the first label is exact for two");
+        for ((column, row), label) in given {
+            let position = expansion.cut.framed_position(column, row);
+            expansion.labels[position] = if label.index() == 0 { 0 } else { SECOND };
+        }
+        expansion.expand_first();
+        expansion.labeling()
+    }
 }
 
 /// The best labeling that α-expansion reaches from every node's best label alone and from each label everywhere; ties go
@@ -134,6 +153,8 @@ const fn steps_of_largest_reward<C>() -> i32 {
 
 /// Label of the cells that are no nodes.
 const NONE: u8 = u8::MAX;
+/// Label of a cell that keeps the second of two labels.
+const SECOND: u8 = u8::MAX - 1;
 
 struct Expansion<'a, const D: usize, C, R> {
     graph: &'a CellGraph,
@@ -175,14 +196,24 @@ impl<'a, const D: usize, C: Capacity, R: Fn(usize, &mut Vec<f64>)> Expansion<'a,
 
     fn run(mut self) -> Labeling {
         if self.n_labels == 2 {
-            // Every labeling is one expansion of the first label away from this one.
-            self.labels.iter_mut().filter(|label| **label != NONE).for_each(|label| *label = 1);
-            self.expand(0);
+            self.expand_first();
         } else {
             self.expand_in_turn();
         }
+        self.labeling()
+    }
+
+    fn labeling(&self) -> Labeling {
         let cells = self.graph.cells_in_rows(0..self.graph.height());
         cells.map(|cell| Label(self.labels[self.cut.position(cell)])).collect()
+    }
+
+    /// Of two labels, the first one expands over the second: every labeling is one such expansion away.
+    fn expand_first(&mut self) {
+        for cell in self.graph.cells_in_rows(0..self.graph.height()) {
+            self.labels[self.cut.position(cell)] = 1;
+        }
+        self.expand(0);
     }
 
     fn expand_in_turn(&mut self) {
@@ -205,7 +236,7 @@ impl<'a, const D: usize, C: Capacity, R: Fn(usize, &mut Vec<f64>)> Expansion<'a,
             return false;
         }
         for (position, label) in self.labels.iter_mut().enumerate() {
-            if *label != NONE && !self.cut.is_sink_side(position) {
+            if *label < SECOND && !self.cut.is_sink_side(position) {
                 *label = alpha as u8;
             }
         }
@@ -237,12 +268,13 @@ impl<'a, const D: usize, C: Capacity, R: Fn(usize, &mut Vec<f64>)> Expansion<'a,
                     continue;
                 }
                 let (stay, change) = match other {
+                    SECOND => (2 * loss, 0),
                     _ if other == alpha_label => (0, 2 * gain),
                     _ if other == label => (loss, gain),
                     _ => (0, gain),
                 };
                 excess += change - stay;
-                if d >= D / 2 && other != alpha_label {
+                if d >= D / 2 && other != alpha_label && other != SECOND {
                     self.cut.set_edge(p, d, stay + change);
                 }
             }

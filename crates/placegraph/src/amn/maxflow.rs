@@ -119,7 +119,12 @@ impl<const D: usize, C: Capacity> GridCut<D, C> {
 
     /// Position of `cell`, by which the other functions name it.
     pub fn position(&self, cell: Cell) -> usize {
-        (cell.y as usize + 1) * self.stride + cell.x as usize + 1
+        self.framed_position(cell.x + 1, cell.y + 1)
+    }
+
+    /// Position in a column and row that are counted from the frame of one cell around the rectangle.
+    pub fn framed_position(&self, column: u32, row: u32) -> usize {
+        row as usize * self.stride + column as usize
     }
 
     /// Number of positions, the frame around the rectangle included.

@@ -107,6 +107,7 @@ pub fn decode(bytes: &[u8], max_cells: u64) -> Result<Raster, MapError> {
     };
     match image::guess_format(bytes) {
         Ok(ImageFormat::Png) => {
+            check_palette(bytes)?;
             let mut limits = Limits::no_limits();
             // The decoder's own buffers: a row or two and the text chunks.
             limits.max_alloc = Some(n_pixels.saturating_mul(8).saturating_add(1 << 20));
@@ -118,6 +119,22 @@ pub fn decode(bytes: &[u8], max_cells: u64) -> Result<Raster, MapError> {
         Err(_) if is_text(bytes) => Err(MapError::ImageFormat { found: "text" }),
         Err(_) => Err(MapError::ImageFormat { found: "unknown bytes" }),
     }
+}
+
+/// A palette has three bytes a color; `png` 0.18 panics where it ends within one.
+fn check_palette(png: &[u8]) -> Result<(), MapError> {
+    // After the signature: a chunk's length, its type, its bytes and a checksum, then the next one.
+    let mut rest = png.get(8..).unwrap_or_default();
+    while let Some((head, after)) = rest.split_first_chunk::<8>() {
+        let [a, b, c, d, kind @ ..] = *head;
+        let n_bytes = u32::from_be_bytes([a, b, c, d]) as usize;
+        if &kind == b"PLTE" && !n_bytes.is_multiple_of(3) {
+            let message = format!("a palette of {n_bytes} bytes, which are not three for each color");
+            return Err(MapError::ImageData { message });
+        }
+        rest = after.get(n_bytes.saturating_add(4)..).unwrap_or_default();
+    }
+    Ok(())
 }
 
 fn read<D: ImageDecoder>(decoder: Result<D, ImageError>, max_cells: u64) -> Result<Raster, MapError> {

@@ -8,9 +8,10 @@
 //! the largest s r² Σ_i ln p_i(y_i) − L(y), where L is the length of the borders between labels in meters as the edges
 //! of the 8-neighborhood count it, r the resolution, and s the evidence per area ([`SpaceConfig`]).
 //!
-//! Cost: some minimum cuts per label over the nodes ([`crate::amn::infer::expand`]): exact for two labels. Spaces that do not
-//! touch are cut each on its own: memory is 42 bytes per cell of the rectangles around those that are at work, which are together
-//! no larger than the map.
+//! Cost: some minimum cuts per label over the nodes ([`crate::amn::infer::expand`]). With two labels the labeling is the best
+//! there is, and most of it is found in tiles, by two small cuts each; what no tile is certain of is cut in pieces. With
+//! more, all is. Pieces that do not touch are cut each on its own: memory is 2 bytes a node, and 54 per cell of the tiles or of
+//! the rectangles around pieces that are at work, which are together no larger than the map.
 //! Evidence is rounded to 2⁻¹⁴ of what an edge costs.
 //!
 //! The field should be one that has not heard the neighbors yet: the relaxation makes every cell as sure as its
@@ -19,11 +20,13 @@
 //! **Deviation.** The chapter has no such stage; it can be left out. It is the chapter's associative network
 //! (Sect. 4.6) with one weight, on the field of either method.
 
+mod piece;
+
 use rayon::prelude::*;
 
-use crate::amn::infer::expand_small;
-use crate::grid::{Cell, CellGraph, DiagonalSteps, Grid, Occupancy, Run, Runs, components};
+use crate::grid::{CellGraph, DiagonalSteps, Run, Runs, components};
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
+use piece::{Piece, Rectangle};
 
 /// The weights of evidence and border.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,80 +65,96 @@ pub fn settle(
         return labeling.to_vec();
     }
     let evidence = Evidence { candidates: &candidates, config, scale: config.evidence_per_m * resolution_m };
-    let position = |label: Label| candidates.iter().position(|&other| other == label).unwrap_or(0);
     let edge = vec![1.0; candidates.len()];
-    let settle_space = |space: &Vec<Run>| {
-        let nodes = space.iter().flat_map(Run::nodes);
-        let start: Labeling = nodes.map(|node| Label(position(labeling[node]) as u8)).collect();
-        // How many nodes of the space stand before each run.
-        let before: Vec<usize> =
-            (space.iter()).scan(0, |n, run| Some(std::mem::replace(n, *n + run.nodes().len()))).collect();
-        expand_small(&graph_of(space), &edge, &start, |node, row| {
-            let run = before.partition_point(|&n| n <= node) - 1;
-            evidence.append(field.row(space[run].nodes().start + node - before[run]), row);
-        })
+    let row = |node: usize, out: &mut Vec<f64>| evidence.append(field.row(node), out);
+    let is_open: Vec<bool> = labeling.iter().map(|label| !is_doorway(label)).collect();
+    let mut found: Vec<Option<Label>> = vec![None; graph.n_nodes()];
+    if candidates.len() == 2 {
+        found = certain(graph, TILE, &is_open, &edge, row);
+    }
+    let start = |node: usize| Label(candidates.iter().position(|&c| c == labeling[node]).unwrap_or(0) as u8);
+    let settle_piece = |runs: &Vec<Run>| {
+        let is_member = |node: usize| {
+            let after = runs.partition_point(|run| run.nodes().start <= node);
+            after > 0 && runs[after - 1].nodes().contains(&node)
+        };
+        let piece = Piece::new(graph, Rectangle::around(runs), is_member);
+        let labels = if candidates.len() == 2 {
+            let [labels] = piece.best_within(&edge, row, [&|node: usize| found[node]]);
+            labels
+        } else {
+            piece.best(&edge, start, row)
+        };
+        (piece.nodes, labels)
     };
     let n_cells = graph.width() as usize * graph.height() as usize;
     // Large ones one by one, the others in parallel: their rectangles together are never larger than the map.
-    let (large, small): (Vec<_>, Vec<_>) = spaces(graph, |node| is_doorway(&labeling[node]))
+    let (large, small): (Vec<_>, Vec<_>) = pieces(graph, |node| is_open[node] && found[node].is_none())
         .into_iter()
-        .partition(|space| n_cells_around(space) > n_cells / rayon::current_num_threads());
-    let mut found: Vec<Labeling> = large.iter().map(settle_space).collect();
-    found.par_extend(small.par_iter().map(settle_space));
-    let mut settled = labeling.to_vec();
-    for (space, labels) in large.iter().chain(&small).zip(found) {
-        let nodes = space.iter().flat_map(Run::nodes);
-        for (node, label) in nodes.zip(labels) {
-            settled[node] = candidates[label.index()];
+        .partition(|runs| Rectangle::around(runs).n_cells() > n_cells / rayon::current_num_threads());
+    let mut settled_pieces: Vec<(Vec<usize>, Labeling)> = large.iter().map(settle_piece).collect();
+    settled_pieces.par_extend(small.par_iter().map(settle_piece));
+    for (nodes, labels) in settled_pieces {
+        for (node, label) in nodes.into_iter().zip(labels) {
+            found[node] = Some(label);
         }
     }
-    settled
+    let settled = labeling.iter().zip(found);
+    settled.map(|(&label, found)| found.map_or(label, |found| candidates[found.index()])).collect()
 }
 
-/// Spaces are cut together, in the rectangle of the map, where their own rectangles overlap more than so many times.
+/// Side of the squares in which labels are found that are certain, in cells.
+const TILE: u32 = 128;
+
+/// The labels of nodes that the best labeling has whatever lies around their tile, of two labels.
+///
+/// More neighbors with a label never take it from a node: where one is best although all around the tile have the other, it is
+/// best. What a tile leaves open is near its border, or doubtful.
+fn certain(
+    graph: &CellGraph,
+    side: u32,
+    is_open: &[bool],
+    edge: &[f64],
+    row: impl Fn(usize, &mut Vec<f64>) + Sync,
+) -> Vec<Option<Label>> {
+    let all = |label: Label| move |node: usize| is_open[node].then_some(label);
+    let tiles = Rectangle::tiles(graph, side);
+    let of_tile = |tile: &Rectangle| {
+        let piece = Piece::new(graph, tile.clone(), |node| is_open[node]);
+        let given: [&dyn Fn(usize) -> Option<Label>; 2] = [&all(Label(0)), &all(Label(1))];
+        let [among_first, among_second] = piece.best_within(edge, &row, given);
+        let same =
+            among_first.into_iter().zip(among_second).map(|(one, other)| (one == other).then_some(one));
+        same.collect::<Vec<_>>()
+    };
+    let of_tiles: Vec<_> = tiles.par_iter().map(of_tile).collect();
+    let mut found = vec![None; graph.n_nodes()];
+    for (tile, labels) in tiles.iter().zip(of_tiles) {
+        let nodes = tile.nodes(graph).filter(|&(node, _)| is_open[node]);
+        for ((node, _), label) in nodes.zip(labels) {
+            found[node] = label;
+        }
+    }
+    found
+}
+
+/// Pieces are cut together, in the rectangle of the map, where their own rectangles overlap more than so many times.
 const MAX_OVERLAP: usize = 8;
 
-/// The runs of every maximal set of 8-connected nodes that are no doorway, or of all such nodes together.
-fn spaces(graph: &CellGraph, is_doorway: impl Fn(usize) -> bool) -> Vec<Vec<Run>> {
-    let runs = Runs::new(graph, |node| u32::from(is_doorway(node)));
+/// The runs of every maximal set of 8-connected nodes that are open, or of all such nodes together.
+fn pieces(graph: &CellGraph, is_open: impl Fn(usize) -> bool) -> Vec<Vec<Run>> {
+    let runs = Runs::new(graph, |node| u32::from(is_open(node)));
     let (component_of, n_components) = components(&runs, DiagonalSteps::Any);
-    let mut spaces = vec![Vec::new(); n_components];
-    for (&run, &component) in runs.all().iter().zip(&component_of).filter(|(run, _)| run.value == 0) {
-        spaces[component as usize].push(run);
+    let mut pieces = vec![Vec::new(); n_components];
+    for (&run, &component) in runs.all().iter().zip(&component_of).filter(|(run, _)| run.value == 1) {
+        pieces[component as usize].push(run);
     }
-    spaces.retain(|space| !space.is_empty());
+    pieces.retain(|piece| !piece.is_empty());
     let n_cells = graph.width() as usize * graph.height() as usize;
-    if spaces.iter().map(|space| n_cells_around(space)).sum::<usize>() > MAX_OVERLAP * n_cells {
-        return vec![runs.all().iter().copied().filter(|run| run.value == 0).collect()];
+    if pieces.iter().map(|piece| Rectangle::around(piece).n_cells()).sum::<usize>() > MAX_OVERLAP * n_cells {
+        return vec![runs.all().iter().copied().filter(|run| run.value == 1).collect()];
     }
-    spaces
-}
-
-/// Number of cells of the smallest rectangle around `space`.
-fn n_cells_around(space: &[Run]) -> usize {
-    let (_, width, height) = rectangle(space);
-    width as usize * height as usize
-}
-
-/// Lower left cell, width and height of the smallest rectangle around `space`.
-fn rectangle(space: &[Run]) -> (Cell, u32, u32) {
-    let left = space.iter().map(|run| run.start).min().unwrap_or(0);
-    let right = space.iter().map(|run| run.end).max().unwrap_or(1);
-    let rows = |end: Option<&Run>| end.map_or(0, |run| run.y);
-    let (bottom, top) = (rows(space.first()), rows(space.last()));
-    (Cell::new(left, bottom), right - left, top - bottom + 1)
-}
-
-/// The cells of `space` in the smallest rectangle around them.
-fn graph_of(space: &[Run]) -> CellGraph {
-    let (corner, width, height) = rectangle(space);
-    let mut cells = Grid::filled(width, height, Occupancy::Occupied);
-    for run in space {
-        let start = (run.y - corner.y) as usize * width as usize;
-        let columns = (run.start - corner.x) as usize..(run.end - corner.x) as usize;
-        cells.values_mut()[start..][columns].fill(Occupancy::Free);
-    }
-    CellGraph::new(&cells)
+    pieces
 }
 
 struct Evidence<'a> {
@@ -160,7 +179,7 @@ impl Evidence<'_> {
 mod tests {
     use super::*;
     use crate::amn::infer::{Potentials, expand};
-    use crate::grid::Connectivity;
+    use crate::grid::{Cell, Connectivity, Grid, Occupancy};
 
     const CORRIDOR: Label = Label(0);
     const ROOM: Label = Label(1);
@@ -277,5 +296,17 @@ mod tests {
         for (&cell, &label) in whole.cells().iter().zip(&expected) {
             assert_eq!(found[graph.node_at(cell).unwrap()], label, "{cell:?}");
         }
+        // Of what a tile is certain, the best labeling has; small tiles are certain of little, large ones of most.
+        let row = |node: usize, out: &mut Vec<f64>| out.extend_from_slice(potentials.row(node));
+        let mut n_certain = Vec::new();
+        for side in [5, 16, 64, 200] {
+            let certain = certain(&whole, side, &vec![true; whole.n_nodes()], &[1.0; 2], row);
+            assert!(
+                certain.iter().zip(&expected).all(|(found, label)| found.is_none_or(|found| found == *label))
+            );
+            n_certain.push(certain.iter().flatten().count());
+        }
+        assert!(n_certain.is_sorted() && n_certain[0] < n_certain[3], "{n_certain:?}");
+        assert_eq!(n_certain[3], whole.n_nodes(), "the map is one tile");
     }
 }
