@@ -63,7 +63,7 @@ pub(super) struct Piece<'g> {
     graph: &'g CellGraph,
     rectangle: Rectangle,
     /// In order.
-    pub(super) nodes: Vec<usize>,
+    pub(super) nodes: Vec<u32>,
     /// The nodes alone, in the rectangle.
     alone: CellGraph,
 }
@@ -81,7 +81,7 @@ impl<'g> Piece<'g> {
         let alone = CellGraph::from_free(width as u32, rectangle.rows.len() as u32, |index| {
             cells.next_if_eq(&index).is_some()
         });
-        let nodes = open.iter().map(|&(node, _)| node).collect();
+        let nodes = open.iter().map(|&(node, _)| node as u32).collect();
         Self { graph, rectangle, nodes, alone }
     }
 
@@ -92,8 +92,9 @@ impl<'g> Piece<'g> {
         start: impl Fn(usize) -> Label,
         row: impl Fn(usize, &mut Vec<f64>),
     ) -> Labeling {
-        let start: Labeling = self.nodes.iter().map(|&node| start(node)).collect();
-        SmallExpansion::new(&self.alone, edge, &start, |index, out| row(self.nodes[index], out)).best()
+        let start: Labeling = self.nodes.iter().map(|&node| start(node as usize)).collect();
+        SmallExpansion::new(&self.alone, edge, &start, |index, out| row(self.nodes[index] as usize, out))
+            .best()
     }
 
     /// The best labelings of the nodes, of two labels, one for each of `given`: what is known of the nodes around.
@@ -103,15 +104,12 @@ impl<'g> Piece<'g> {
         row: impl Fn(usize, &mut Vec<f64>),
         given: [&dyn Fn(usize) -> Option<Label>; N],
     ) -> [Labeling; N] {
-        let mut potentials = Vec::with_capacity(2 * self.nodes.len());
-        self.nodes.iter().for_each(|&node| row(node, &mut potentials));
         let start = vec![Label(0); self.nodes.len()];
-        let mut expansion = SmallExpansion::new(&self.alone, edge, &start, |index, out: &mut Vec<f64>| {
-            out.extend_from_slice(&potentials[2 * index..][..2]);
-        });
+        let of_index = |index: usize, out: &mut Vec<f64>| row(self.nodes[index] as usize, out);
+        let mut expansion = SmallExpansion::new(&self.alone, edge, &start, of_index);
         given.map(|given| {
             let around = self.rectangle.grown(self.graph).nodes(self.graph);
-            let around = around.filter(|(node, _)| self.nodes.binary_search(node).is_err());
+            let around = around.filter(|&(node, _)| self.nodes.binary_search(&(node as u32)).is_err());
             expansion.best_within(
                 around.filter_map(|(node, cell)| Some((self.rectangle.framed(cell), given(node)?))),
             )
