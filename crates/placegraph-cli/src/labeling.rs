@@ -133,10 +133,18 @@ impl<'a> Setup<'a> {
             && found.map.hash == map.hash
             && found.map.name == map.name
             && found.model.as_ref() == Some(&self.model.info());
-        let is_left_out =
-            |format: &Format| found.findings.iter().any(|finding| finding.starts_with(&left_out(*format)));
+        let is_left_out = |format: &Format| {
+            self.left_out_of(&found).iter().any(|reason| reason.starts_with(&left_out(*format)))
+        };
         let names = self.file_names(&map.name, |format| !is_left_out(format)).ok()?;
         (is_same && names.iter().all(|name| folder.join(name).is_file())).then_some(found)
+    }
+
+    /// The formats that a result has not, and why, as its document says.
+    pub(crate) fn left_out_of(&self, document: &TopologyDocument) -> Vec<String> {
+        let is_reason =
+            |finding: &&String| self.formats.iter().any(|&format| finding.starts_with(&left_out(format)));
+        document.findings.iter().filter(is_reason).cloned().collect()
     }
 
     /// The names of a result's files, with those of the formats that are `wanted`.

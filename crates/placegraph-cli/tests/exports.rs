@@ -110,7 +110,9 @@ fn a_format_that_cannot_hold_a_map_is_left_out_and_told() {
     let table = fs::read_to_string(both.join("summary.csv")).unwrap();
     assert!(table.contains("labeled") && table.contains("nav2 is left out"), "{table}");
     let again = placegraph(&[&many[..], &[&"--resume"]].concat());
-    assert_eq!(again.status.code(), Some(0), "what is complete stays: {}", stderr(&again));
+    assert_eq!(again.status.code(), Some(1), "what stays tells the same: {}", stderr(&again));
+    let table = fs::read_to_string(both.join("summary.csv")).unwrap();
+    assert!(table.contains("kept") && table.contains("nav2 is left out"), "{table}");
 }
 
 #[test]

@@ -25,11 +25,11 @@ pub(crate) fn run(folders: &[PathBuf], setup: &Setup<'_>, args: &MapArgs) -> Res
         counter.begin(&name);
         let result = guarded(|| label(path, folder, setup, args));
         counter.end(&match &result {
-            Ok(Done { time: Some(_), document, left_out }) => {
-                let parts = [summary(document)].into_iter().chain(left_out.iter().cloned());
+            Ok(Done { time, document, left_out }) => {
+                let kept = time.is_none().then(|| "kept".to_owned());
+                let parts = kept.into_iter().chain([summary(document)]).chain(left_out.iter().cloned());
                 format!("{name}: {}", parts.collect::<Vec<_>>().join("; "))
             }
-            Ok(Done { time: None, document, .. }) => format!("{name}: kept, {}", summary(document)),
             Err(error) => format!("error: {name}: {error:#}"),
         });
         n_failed += usize::from(result.is_err());
@@ -56,7 +56,8 @@ fn label(path: &Path, folder: &Path, setup: &Setup<'_>, args: &MapArgs) -> Resul
     if args.resume
         && let Some(document) = setup.kept(&map, folder)
     {
-        return Ok(Done { time: None, document, left_out: Vec::new() });
+        let left_out = setup.left_out_of(&document);
+        return Ok(Done { time: None, document, left_out });
     }
     let mut labeled = setup.label(&map, &Watch::without_bar())?;
     setup.files(&map, &mut labeled)?.commit(folder)?;
