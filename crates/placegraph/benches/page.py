@@ -240,13 +240,13 @@ def components(m, add):
         add(f"connected components, {size / 1e3:.0f} k cells", "",
             f"{seconds * 1e3:.1f} ms, {seconds / size * 1e9:.1f} ns a cell",
             "<br>".join(yardsticks + peers), cell(bound and 100 * bound / seconds, "{:.0f}", " % of one pass over memory"))
-    large = [m.rows.get(("16 M cells", name, None)) for name in ["connected", "properties", "topological map, routes and all"]]
+    large = [m.rows.get(("16 M cells", name, None)) for name in ["connected", "properties", "outlines", "topological map, routes and all"]]
     if all(large):
-        connected, statistics, topology = (row[0] for row in large)
+        connected, statistics, outlines, topology = (row[0] for row in large)
         peers = [f"{other / connected:.1f} x as long: {peer}" for (stage, peer, n), other in m.peers.items()
                  if stage == "regions" and n > 4e6]
-        add("connected components, statistics, polygons, 16 M cells", "1 s", f"{connected + topology:.2f} s: components "
-            f"{connected:.2f} s, statistics {statistics:.2f} s, all of the topological map {topology:.2f} s",
+        add("connected components, statistics, polygons, 16 M cells", "1 s", f"{connected + statistics + outlines:.2f} s: components "
+            f"{connected:.2f} s, statistics {statistics:.2f} s, outlines {outlines:.2f} s; routes and all else too {connected + topology:.2f} s",
             "<br>".join(peers) or "not run",
             cell(m.memory() and 100 * 16e6 * 8 / m.memory() / connected, "{:.0f}", " % of one pass over memory"))
 

@@ -6,7 +6,7 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use placegraph::grid::{Cell, CellGraph, DiagonalSteps, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::regions::{connected, contacts, properties};
-use placegraph::topology::build;
+use placegraph::topology::{build, outlines};
 
 mod maps;
 
@@ -41,6 +41,7 @@ fn regions(criterion: &mut Criterion) {
     });
     group.bench_function("properties", |bencher| bencher.iter(|| properties(&graph, &frame, &found)));
     group.bench_function("contacts", |bencher| bencher.iter(|| contacts(&graph, &found)));
+    group.bench_function("outlines", |bencher| bencher.iter(|| outlines(&graph, &frame, &found)));
     group.bench_function("topological map, routes and all", |bencher| {
         bencher.iter(|| build(&graph, &frame, &field, &found, &LabelSet::default()));
     });

@@ -36,11 +36,14 @@ pub struct SpaceConfig {
     /// Probabilities below this one, and above one minus it, count as this: neighboring cells err together, and
     /// none of them is as sure as it says. Default 0.1.
     pub least_probability: f64,
+    /// Cells of the largest rectangle that is cut as a whole. Default 2²⁰, of which a cut takes 40 MB; larger ones are cut in tiles
+    /// first, which takes three times as long. It changes no label.
+    pub max_cut: usize,
 }
 
 impl Default for SpaceConfig {
     fn default() -> Self {
-        Self { evidence_per_m: 3.0, least_probability: 0.1 }
+        Self { evidence_per_m: 3.0, least_probability: 0.1, max_cut: 1 << 20 }
     }
 }
 
@@ -56,19 +59,6 @@ pub fn settle(
     label_set: &LabelSet,
     config: &SpaceConfig,
 ) -> Labeling {
-    settle_in_cuts(graph, resolution_m, field, labeling, label_set, config, MAX_CUT)
-}
-
-/// [`settle`], where spaces whose rectangles have more than `max_cut` cells are not cut as a whole.
-fn settle_in_cuts(
-    graph: &CellGraph,
-    resolution_m: f64,
-    field: &LabelField,
-    labeling: &[Label],
-    label_set: &LabelSet,
-    config: &SpaceConfig,
-    max_cut: usize,
-) -> Labeling {
     assert!(field.n_nodes() == graph.n_nodes() && labeling.len() == graph.n_nodes(), "one label per node");
     let is_doorway = |label: &Label| label_set.role(*label) == Role::Doorway;
     let mut candidates: Vec<Label> = label_set.labels().filter(|label| !is_doorway(label)).collect();
@@ -82,7 +72,7 @@ fn settle_in_cuts(
     let row = |node: usize, out: &mut Vec<f64>| evidence.append(field.row(node), out);
     let mut found: Vec<Option<Label>> = vec![None; graph.n_nodes()];
     let is_too_large =
-        |space: &Vec<Run>| candidates.len() == 2 && Rectangle::around(space).n_cells() > max_cut;
+        |space: &Vec<Run>| candidates.len() == 2 && Rectangle::around(space).n_cells() > config.max_cut;
     let spaces = pieces(graph, |node| !is_doorway(&labeling[node]));
     let (too_large, mut spaces): (Vec<_>, Vec<_>) = spaces.into_iter().partition(is_too_large);
     if !too_large.is_empty() {
@@ -122,8 +112,6 @@ fn settle_in_cuts(
     labels.map(|(&label, found)| found.map_or(label, |found| candidates[found.index()])).collect()
 }
 
-/// Cells of the largest rectangle that is cut as a whole: 40 MB. Tiles take three times as long.
-const MAX_CUT: usize = 1 << 20;
 /// Side of the squares in which labels are found that are certain, in cells.
 const TILE: u32 = 128;
 
@@ -225,7 +213,7 @@ mod tests {
 
     #[test]
     fn evidence_is_the_scaled_logarithm_of_the_share_among_places() {
-        let config = SpaceConfig { evidence_per_m: 2.0, least_probability: 0.1 };
+        let config = SpaceConfig { evidence_per_m: 2.0, ..SpaceConfig::default() };
         let evidence = Evidence { candidates: &[CORRIDOR, ROOM], config: &config, scale: 0.5 };
         let of = |row: &[f32]| {
             let mut found = Vec::new();
@@ -302,7 +290,8 @@ mod tests {
         let label_set = LabelSet::default();
         let found = settle(&graph, 0.1, &field, &labeling, &label_set, &config);
         for max_cut in [0, 400] {
-            let in_cuts = settle_in_cuts(&graph, 0.1, &field, &labeling, &label_set, &config, max_cut);
+            let config = SpaceConfig { max_cut, ..config };
+            let in_cuts = settle(&graph, 0.1, &field, &labeling, &label_set, &config);
             assert_eq!(in_cuts, found, "what is larger than {max_cut} cells in tiles");
         }
 

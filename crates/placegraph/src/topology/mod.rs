@@ -17,6 +17,7 @@ pub use crate::geom::EllipseAxes;
 pub use build::build;
 pub(crate) use build::place_id;
 pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
+pub use outline::outlines;
 pub use raster::{PlaceRaster, PlaceSpan};
 pub use routes::{COMFORT_M, lay_routes};
 pub(crate) use segment::{all_touched, segments_cross};
