@@ -133,9 +133,9 @@ impl<'a> Setup<'a> {
             && found.map.hash == map.hash
             && found.map.name == map.name
             && found.model.as_ref() == Some(&self.model.info());
-        let is_left_out = |format: &Format| {
-            self.left_out_of(&found).iter().any(|reason| reason.starts_with(&left_out(*format)))
-        };
+        let reasons = self.left_out_of(&found);
+        let is_left_out =
+            |format: &Format| reasons.iter().any(|reason| reason.starts_with(&left_out(*format)));
         let names = self.file_names(&map.name, |format| !is_left_out(format)).ok()?;
         (is_same && names.iter().all(|name| folder.join(name).is_file())).then_some(found)
     }

@@ -109,8 +109,8 @@ impl<'a, R: Fn(usize, &mut Vec<f64>)> SmallExpansion<'a, R> {
     }
 
     /// With two labels: the best labeling where nodes around those of the graph have a label already, `given` by their
-    /// column and row as counted from a frame of one cell around the map. Where several are best, the one with
-    /// most nodes of the first label.
+    /// column and row as counted from a frame of one cell around the map; labels given to nodes of the graph are forgotten.
+    /// Where several are best, the one with most nodes of the first label.
     pub(crate) fn best_within(&mut self, given: impl Iterator<Item = ((u32, u32), Label)>) -> Labeling {
         let expansion = &mut self.0;
         assert_eq!(expansion.n_labels, 2, "an expansion of the first label is exact for two");

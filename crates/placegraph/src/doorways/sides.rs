@@ -18,6 +18,18 @@ pub(super) struct Walks {
     pub(super) bypass: f64,
 }
 
+impl Walks {
+    /// How far a side is looked at, in steps.
+    fn near_reach(&self) -> u32 {
+        self.far.max(self.labels.1).ceil() as u32
+    }
+
+    /// The middle of the longest way around is at most so many steps from both sides.
+    fn half_bypass(&self) -> u32 {
+        (self.bypass / 2.0).ceil() as u32
+    }
+}
+
 /// One side of a gate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Side {
@@ -56,7 +68,7 @@ const CLOSED: u32 = u32::MAX - 1;
 impl<'a> Sides<'a> {
     /// Cost: linear in the cells within reach.
     pub(super) fn of(graph: &CellGraph, clearance: &'a [i64], gate: &Gate, walks: &'a Walks) -> Self {
-        let reach = walks.far.max(walks.labels.1).max(walks.bypass / 2.0).ceil() as u32;
+        let reach = walks.near_reach().max(walks.half_bypass());
         let window = Window::around(graph, gate, reach);
         let floods = [1.0, -1.0].map(|direction| Flood::from(graph, gate, direction, &window));
         Self { clearance, walks, window, floods }
@@ -64,7 +76,7 @@ impl<'a> Sides<'a> {
 
     /// What a walk of the far or the labels' length finds, on both sides.
     pub(super) fn near(&mut self) -> [Side; 2] {
-        let reach = self.walks.far.max(self.walks.labels.1).ceil() as u32;
+        let reach = self.walks.near_reach();
         self.floods.each_mut().map(|flood| {
             flood.advance(&self.window, reach);
             let mut side = Side::default();
@@ -78,8 +90,7 @@ impl<'a> Sides<'a> {
 
     /// Length of the shortest walk from one side to the other that does not pass the gate, at most [`Walks::bypass`].
     pub(super) fn bypass(&mut self) -> f64 {
-        // The middle of a walk of that length is at most half of it from both sides.
-        let reach = (self.walks.bypass / 2.0).ceil() as u32;
+        let reach = self.walks.half_bypass();
         for flood in &mut self.floods {
             flood.advance(&self.window, reach);
         }

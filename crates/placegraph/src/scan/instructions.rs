@@ -41,12 +41,16 @@ impl Instructions {
     /// `#[inline(always)]`.
     #[inline(always)]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
-        let arch = match self {
+        self.arch().dispatch(work)
+    }
+
+    #[inline(always)]
+    fn arch(self) -> pulp::Arch {
+        match self {
             Self::Widest => *WIDEST,
             Self::Avx2 => avx2(),
             Self::Baseline => pulp::Arch::Scalar,
-        };
-        arch.dispatch(work)
+        }
     }
 }
 
@@ -54,8 +58,7 @@ static WIDEST: LazyLock<pulp::Arch> = LazyLock::new(|| {
     let named = std::env::var(Instructions::VARIABLE).ok();
     match named.as_deref().and_then(Instructions::from_name).unwrap_or_default() {
         Instructions::Widest => pulp::Arch::new(),
-        Instructions::Avx2 => avx2(),
-        Instructions::Baseline => pulp::Arch::Scalar,
+        narrower => narrower.arch(),
     }
 });
 

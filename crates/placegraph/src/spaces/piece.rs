@@ -97,7 +97,8 @@ impl<'g> Piece<'g> {
             .best()
     }
 
-    /// The best labelings of the nodes, of two labels, one for each of `given`: what is known of the nodes around.
+    /// The best labelings of the nodes, of two labels, one for each of `given`: what is known of the nodes around. What it
+    /// says of the nodes themselves does not count.
     pub(super) fn best_within<const N: usize>(
         &self,
         edge: &[f64],
@@ -109,7 +110,6 @@ impl<'g> Piece<'g> {
         let mut expansion = SmallExpansion::new(&self.alone, edge, &start, of_index);
         given.map(|given| {
             let around = self.rectangle.grown(self.graph).nodes(self.graph);
-            let around = around.filter(|&(node, _)| self.nodes.binary_search(&(node as u32)).is_err());
             expansion.best_within(
                 around.filter_map(|(node, cell)| Some((self.rectangle.framed(cell), given(node)?))),
             )
