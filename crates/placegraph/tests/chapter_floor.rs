@@ -71,7 +71,8 @@ fn short() -> TrainConfig {
 #[test]
 fn building_79_left_to_right() {
     let Some(map) = labeled_map("fr79_slam", Some(350)) else { return };
-    let (classified, corrected) = experiment(std::slice::from_ref(&map), &map, 350, &short());
+    // From all cells: of fewer, the last bits of a feature move the figure by a few tenths of a point.
+    let (classified, corrected) = experiment(std::slice::from_ref(&map), &map, 350, &TrainConfig::default());
     assert!(classified >= 0.973 && corrected >= 0.9895, "{classified}, {corrected}");
 }
 

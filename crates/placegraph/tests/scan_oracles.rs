@@ -26,7 +26,7 @@ fn walk(
         let positions = block.rows.iter().flat_map(placegraph::scan::Run::positions);
         for (lane, position) in positions.enumerate() {
             for (beam, range) in scans[position].iter_mut().enumerate() {
-                *range = ranges.beam(beam)[lane];
+                *range = ranges.range_m(lane, beam);
             }
         }
     }

@@ -5,15 +5,16 @@
 //! different rows run in parallel.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use super::lanes::{Lanes, WIDTH};
-use super::plan::Plan;
-use super::values::{Ranges, Values};
+use super::plan::{Buffers, Plan};
+use super::values::Values;
 use super::{FeatureId, FeatureTable};
 use crate::grid::{Cell, OccupancyGrid};
 use crate::progress::Progress;
+use crate::scan::lanes::{Lanes, WIDTH};
 use crate::scan::{Block, BlockRanges, Instructions, N_BEAMS, RangeScan, RayCaster, ScanConfig};
 
 /// The cells to measure, and how.
@@ -165,24 +166,27 @@ fn for_each_block<S: Send>(
     let plan = Plan::new(job.columns);
     let done = AtomicUsize::new(0);
     let bands = Block::bands(job.cells).into_par_iter().zip(slots).with_max_len(1);
-    bands.for_each_init(
-        || Workspace::new(job.columns.len()),
-        |workspace, (band, mut slot)| {
-            let n = band.len();
-            for block in Block::of_band(job.cells, band) {
-                caster.cast_block(&block, job.instructions, &mut workspace.block_ranges);
-                workspace.measure(&plan, job);
-                visit(&block, &workspace.values, &mut slot);
-            }
-            job.progress.advance(done.fetch_add(n, Ordering::Relaxed) + n, job.cells.len());
-        },
-    );
+    // One for each thread that works, not for each band: a megabyte is not made and cleared so often.
+    let idle = Mutex::new(Vec::new());
+    let lock = || idle.lock().unwrap_or_else(PoisonError::into_inner);
+    bands.for_each(|(band, mut slot)| {
+        let n = band.len();
+        let taken = lock().pop();
+        let mut workspace = taken.unwrap_or_else(|| Workspace::new(job.columns.len()));
+        for block in Block::of_band(job.cells, band) {
+            caster.cast_block(&block, job.instructions, &mut workspace.ranges);
+            workspace.measure(&plan, job);
+            visit(&block, &workspace.values, &mut slot);
+        }
+        lock().push(workspace);
+        job.progress.advance(done.fetch_add(n, Ordering::Relaxed) + n, job.cells.len());
+    });
 }
 
-/// Buffers of one thread.
+/// Buffers of one thread, used for band after band.
 struct Workspace {
-    block_ranges: BlockRanges,
-    ranges: Box<Ranges>,
+    ranges: BlockRanges,
+    buffers: Box<Buffers>,
     group: Values,
     values: BlockValues,
 }
@@ -190,8 +194,8 @@ struct Workspace {
 impl Workspace {
     fn new(n_columns: usize) -> Self {
         Self {
-            block_ranges: BlockRanges::new(),
-            ranges: Box::new([Lanes::all(0.0); N_BEAMS + 1]),
+            ranges: BlockRanges::new(),
+            buffers: Buffers::new(),
             group: Values::new(),
             values: BlockValues { values: vec![0.0; n_columns * Block::MAX_CELLS], n_cells: 0 },
         }
@@ -199,17 +203,11 @@ impl Workspace {
 
     /// Measures the cells of the block that was cast last.
     fn measure(&mut self, plan: &Plan, job: &Job<'_>) {
-        let n_cells = self.block_ranges.n_cells();
-        self.values.n_cells = n_cells;
-        for start in (0..n_cells).step_by(WIDTH) {
-            for (beam, lanes) in self.ranges[..N_BEAMS].iter_mut().enumerate() {
-                // Ranges beyond the last cell are those of another block: any scan will do.
-                lanes.0.copy_from_slice(&self.block_ranges.padded_beam(beam)[start..start + WIDTH]);
-            }
-            self.ranges[N_BEAMS] = self.ranges[0];
-            plan.measure(&self.ranges, job.instructions, &mut self.group);
+        self.values.n_cells = self.ranges.n_cells();
+        for (number, ranges) in self.ranges.groups().iter().enumerate() {
+            plan.measure(ranges, job.instructions, &mut self.buffers, &mut self.group);
             for (column, id) in job.columns.iter().enumerate() {
-                let at = column * Block::MAX_CELLS + start;
+                let at = column * Block::MAX_CELLS + number * WIDTH;
                 self.values.values[at..at + WIDTH].copy_from_slice(&self.group.at(usize::from(id.0)).0);
             }
         }
@@ -224,7 +222,7 @@ pub fn of_scan(scan: &RangeScan, columns: &[FeatureId]) -> Vec<f32> {
         *lanes = Lanes::all(scan.ranges_m()[beam % N_BEAMS] as f32);
     }
     let mut values = Values::new();
-    plan.measure(&ranges, Instructions::default(), &mut values);
+    plan.measure(&ranges, Instructions::default(), &mut Buffers::new(), &mut values);
     columns.iter().map(|id| values.at(usize::from(id.0)).0[0]).collect()
 }
 

@@ -12,10 +12,10 @@
 //! harmonic that is asked for, and 6 · 360 per row up to that of the largest.
 
 use super::families::{MAX_HARMONIC, Measure as M};
-use super::lanes::{Doubles, Lanes, Singles, TINY, WIDTH, beams};
 use super::polygon::{Directions, Outline};
-use super::values::{Ranges, Values};
-use crate::scan::N_BEAMS;
+use super::values::Values;
+use crate::scan::lanes::{Doubles, Lanes, Singles, TINY, ZERO, beams};
+use crate::scan::{N_BEAMS, Ranges};
 
 /// Largest b.
 const B: usize = 5;
@@ -37,8 +37,6 @@ struct Row {
     constant: [Singles; 2],
     products: [[Singles; 4]; B],
 }
-
-const ZERO: Singles = Lanes([0.0; WIDTH]);
 
 /// cos bθ and sin bθ, b = 1 … 5.
 type Powers = [[Singles; 2]; B];
@@ -72,7 +70,7 @@ fn position_of(k: usize) -> (usize, isize) {
 pub(super) fn fourier(
     d: &Ranges,
     directions: &Directions,
-    outline: &Outline,
+    outline: &Outline<'_>,
     harmonics: &Harmonics,
     values: &mut Values,
 ) {
@@ -182,7 +180,7 @@ fn add_products(sums: &mut [Singles; 4], z: &[Singles; 2], [cos, sin]: &[Singles
 fn row_sums(
     d: &Ranges,
     directions: &Directions,
-    outline: &Outline,
+    outline: &Outline<'_>,
     needed: &[[bool; B + 1]],
 ) -> [Row; N_ROWS] {
     let mut sums = [Row::ZERO; N_ROWS];
@@ -232,7 +230,7 @@ fn row_sums(
 ///
 /// Worked out in the frame of the beam, where only lengths of neighboring beams are subtracted.
 #[inline(always)]
-fn direction(d: &Ranges, directions: &Directions, outline: &Outline, vertex: usize) -> [Singles; 2] {
+fn direction(d: &Ranges, directions: &Directions, outline: &Outline<'_>, vertex: usize) -> [Singles; 2] {
     let (one, next) = (d[vertex], d[vertex + 1]);
     let (sin, half) = (1f64.to_radians().sin() as f32, 0.5f64.to_radians().sin());
     let scale = Lanes::all(1.0) / outline.edges[vertex].max(Lanes::all(TINY));

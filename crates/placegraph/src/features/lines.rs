@@ -10,10 +10,10 @@
 //! a grid are whole cells apart, and rounding would decide.
 
 use super::families::Measure as M;
-use super::lanes::{Lanes, Singles, WIDTH, of_lane};
 use super::moments::Along;
-use super::values::{Ranges, Values};
-use crate::scan::N_BEAMS;
+use super::values::Values;
+use crate::scan::lanes::{Lanes, Singles, WIDTH, of_lane};
+use crate::scan::{N_BEAMS, Ranges};
 
 const RANGE_MAX_M: f32 = 6.0;
 const GAP_M: f64 = 0.3;

@@ -6,10 +6,10 @@
 //! and the last; of equally deep minima those farthest apart are taken.
 
 use super::families::Measure as M;
-use super::lanes::{Lanes, Singles, WIDTH};
 use super::moments::Along;
-use super::values::{Ranges, Values};
-use crate::scan::N_BEAMS;
+use super::values::Values;
+use crate::scan::lanes::{Lanes, Singles, WIDTH, ZERO};
+use crate::scan::{N_BEAMS, Ranges};
 
 /// Rise on both sides of a minimum, in meters: two cells of 5 cm (δ of the book, for which no value is known).
 const PROMINENCE_M: f32 = 0.1;
@@ -18,6 +18,8 @@ const PROMINENCE_M: f32 = 0.1;
 const TOGETHER: usize = 8;
 /// A turn in half beams.
 const TURN: u32 = 2 * N_BEAMS as u32;
+/// The sign of a descent: that of a negative number.
+const DOWN: u32 = 1 << 31;
 /// Most minima of a scan: between two of them a beam is longer.
 const MAX_MINIMA: usize = N_BEAMS / 2;
 
@@ -29,12 +31,15 @@ struct Minimum {
 }
 
 /// The minima of every scan that may be one of the two deepest; after them there is room for one more.
-struct Found {
+pub(super) struct Found {
     minima: [[Minimum; MAX_MINIMA + 1]; WIDTH],
     n: [usize; WIDTH],
 }
 
 impl Found {
+    pub(super) const NONE: Self =
+        Self { minima: [[Minimum { range: 0.0, half_beams: 0 }; MAX_MINIMA + 1]; WIDTH], n: [0; WIDTH] };
+
     /// Adds a minimum of every scan where it is new.
     #[inline(never)]
     fn add(
@@ -59,16 +64,17 @@ impl Found {
     }
 }
 
-/// A9 and A10.
+/// A9 and A10; `found` is where the minima are stored.
 #[inline(always)]
-pub(super) fn minima(d: &Ranges, along: &Along, values: &mut Values) {
+pub(super) fn minima(d: &Ranges, along: &Along, found: &mut Found, values: &mut Values) {
     let (mut distance, mut angle): (Singles, Singles) = (Lanes::all(0.0), Lanes::all(0.0));
-    let found = deepest_minima(d);
+    deepest_minima(d, found);
     for lane in 0..WIDTH {
         if let Some((one, other)) = two_deepest(found.of_lane(lane)) {
             let point = |minimum: Minimum| end_point(d, lane, along, minimum.half_beams as usize);
             let (p, q) = (point(one), point(other));
-            distance.0[lane] = (p.0 - q.0).hypot(p.1 - q.1) as f32;
+            let (x, y) = (p.0 - q.0, p.1 - q.1);
+            distance.0[lane] = (x * x + y * y).sqrt() as f32;
             angle.0[lane] = apart(one, other) as f32 * (180.0 / N_BEAMS as f32);
         }
     }
@@ -76,51 +82,63 @@ pub(super) fn minima(d: &Ranges, along: &Along, values: &mut Values) {
     values.set(M::MinimaAngle, angle);
 }
 
-/// The minima of every circular scan that rise by the prominence on both sides, without those that are higher than two
+/// Finds the minima of every circular scan that rise by the prominence on both sides, without those that are higher than two
 /// before them.
 ///
 /// Goes around once from the longest beam, and in turn follows a descent until it has risen by the prominence from its
 /// lowest beam, and a rise until it has fallen by the prominence from its highest. All scans take a step together.
 #[inline(always)]
-fn deepest_minima(d: &Ranges) -> Found {
-    let mut found = Found { minima: [[Minimum::default(); MAX_MINIMA + 1]; WIDTH], n: [0; WIDTH] };
-    let (mut highest, starts) = longest(d);
-    let mut lowest = Lanes::all(f32::INFINITY);
-    let (mut first, mut last, mut descending) = ([0u32; WIDTH], [0u32; WIDTH], [0u32; WIDTH]);
+fn deepest_minima(d: &Ranges, found: &mut Found) {
+    found.n = [0; WIDTH];
+    // Rises and descents are told by a sign: with it, both are rises to an extreme.
+    let (mut extreme, starts) = longest(d);
+    let mut sign = Lanes::all(0u32);
+    // What is left of the extreme without the prominence. Kept beside it, so that a step waits for little of the one before.
+    let prominence = Lanes::all(PROMINENCE_M);
+    let mut limit = extreme - prominence;
+    // The steps on which the extreme was reached.
+    let (mut first, mut last) = (Lanes::all(0u32), Lanes::all(0u32));
     // The two deepest so far.
     let (mut deepest, mut next) = (Lanes::all(f32::INFINITY), Lanes::all(f32::INFINITY));
     // Once around, and the start again.
     for begin in (0..=N_BEAMS).step_by(TOGETHER) {
         let turned = from_starts(d, &starts, begin);
-        for (ranges, step) in turned.iter().zip(begin..=N_BEAMS) {
-            let mut minimum = Lanes::all(f32::INFINITY);
-            for lane in 0..WIDTH {
-                let (range, descended) = (ranges.0[lane], descending[lane] != 0);
-                let high = if !descended && range > highest.0[lane] { range } else { highest.0[lane] };
-                let descends = descended || range <= high - PROMINENCE_M;
-                let low = if descended { lowest.0[lane] } else { f32::INFINITY };
-                let lower = descends && range < low;
-                let low = if lower { range } else { low };
-                let rises = descends && range >= low + PROMINENCE_M;
-                first[lane] = if lower { step as u32 } else { first[lane] };
-                last[lane] = if descends && range <= low { step as u32 } else { last[lane] };
-                lowest.0[lane] = low;
-                highest.0[lane] = if rises { range } else { high };
-                minimum.0[lane] = if rises { low } else { f32::INFINITY };
-                descending[lane] = u32::from(descends && !rises);
-            }
+        for (range, step) in turned.iter().zip(begin..=N_BEAMS) {
+            let range = range.zip(sign, |range, sign| f32::from_bits(range.to_bits() ^ sign));
+            let turns = range.zip(limit, |range, limit| if range <= limit { DOWN } else { 0 });
+            let rises = turns.zip(sign, |turns, sign| turns & sign);
+            let minimum = chosen(rises, -extreme, Lanes::all(f32::INFINITY));
             let is_new =
                 minimum.zip(next, |minimum, next| u32::from(minimum <= next && minimum < f32::INFINITY));
             next = next.min(deepest.max(minimum));
             deepest = deepest.min(minimum);
-            if is_new.0.iter().fold(0, |any, is_new| any | is_new) != 0 {
+            if is_new.is_any() {
                 // Copies, so that what the loop works on stays in registers.
                 let (minimum, first, last) = (minimum, first, last);
-                found.add(&minimum, &starts, &first, &last, &is_new);
+                found.add(&minimum, &starts, &first.0, &last.0, &is_new);
             }
+            limit = chosen(turns, -range - prominence, limit.max(range - prominence));
+            sign = sign.zip(turns, |sign, turns| sign ^ turns);
+            let further = range.zip(extreme, |range, extreme| if range > extreme { DOWN } else { 0 });
+            let further = further.zip(turns, |further, turns| further | turns);
+            let range = chosen(turns, -range, range);
+            extreme = chosen(further, range, extreme);
+            let step = Lanes::all(step as u32);
+            first = chosen(further, step, first);
+            let is_last = range.zip(extreme, |range, extreme| if range >= extreme { DOWN } else { 0 });
+            last = chosen(is_last, step, last);
         }
     }
-    found
+}
+
+/// `yes` where `which` is not 0, else `no`.
+#[inline(always)]
+fn chosen<T: Copy + Default>(which: Lanes<u32>, yes: Lanes<T>, no: Lanes<T>) -> Lanes<T> {
+    let mut chosen = no;
+    for lane in 0..WIDTH {
+        chosen.0[lane] = if which.0[lane] == 0 { no.0[lane] } else { yes.0[lane] };
+    }
+    chosen
 }
 
 /// The longest range of every scan, and the first beam that has it.
@@ -140,7 +158,7 @@ fn longest(d: &Ranges) -> (Singles, [u32; WIDTH]) {
 /// Some beams of every scan, from beam number `begin` after its start on.
 #[inline(always)]
 fn from_starts(d: &Ranges, starts: &[u32; WIDTH], begin: usize) -> [Singles; TOGETHER] {
-    let mut turned = [Lanes::all(0.0); TOGETHER];
+    let mut turned = [ZERO; TOGETHER];
     for lane in 0..WIDTH {
         let first = (starts[lane] as usize + begin) % N_BEAMS;
         if let Some(ranges) = d[first..].first_chunk::<TOGETHER>() {
@@ -204,7 +222,9 @@ mod tests {
             d[beam].0[3] = range;
         }
         d[N_BEAMS] = d[0];
-        deepest_minima(&d).of_lane(3).to_vec()
+        let mut found = Found::NONE;
+        deepest_minima(&d, &mut found);
+        found.of_lane(3).to_vec()
     }
 
     #[test]

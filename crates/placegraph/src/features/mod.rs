@@ -9,7 +9,6 @@ mod beams;
 mod engine;
 mod families;
 mod fourier;
-mod lanes;
 mod lines;
 mod markdown;
 mod minima;

@@ -8,10 +8,10 @@
 //! sign(φ) log10(1 + |φ| / 1e-40), which is monotone, so that no decision stump can tell.
 
 use super::families::Measure as M;
-use super::lanes::{Doubles, Lanes, beams};
 use super::polygon::Outline;
-use super::values::{Ranges, Values};
-use crate::scan::{N_BEAMS, beam_direction};
+use super::values::Values;
+use crate::scan::lanes::{Doubles, Lanes, beams};
+use crate::scan::{N_BEAMS, Ranges, beam_direction};
 
 /// Smallest magnitude of a moment invariant that is told from 0.
 const PHI_MIN: f64 = 1e-40;
@@ -34,7 +34,7 @@ impl Along {
 
 /// B10, B11 and B12.
 #[inline(always)]
-pub(super) fn moments(d: &Ranges, along: &Along, outline: &Outline, values: &mut Values) {
+pub(super) fn moments(d: &Ranges, along: &Along, outline: &Outline<'_>, values: &mut Values) {
     let [mut sum_x, mut sum_y] = [Lanes::all(0.0); 2];
     for beam in beams(N_BEAMS, 1) {
         sum_x += d[beam].double() * along.x[beam];
@@ -60,9 +60,12 @@ pub(super) fn moments(d: &Ranges, along: &Along, outline: &Outline, values: &mut
     let elongation = (difference * difference + m11 * m11 * 4.0).map(f64::sqrt);
     values.set(M::Compactness, outline.or_zero(compactness.single()));
     values.set(M::Eccentricity, outline.or_zero((elongation / spread).single()));
-    let second = [m20, m11, m02].map(|moment| moment * N.powi(-4));
-    let third = [m30, m21, m12, m03].map(|moment| moment * N.powi(-5));
-    for (member, phi) in invariants(second, third).into_iter().enumerate() {
+    let (per_second, per_third) = (N.powi(-4), N.powi(-5));
+    let second = [m20 * per_second, m11 * per_second, m02 * per_second];
+    let third = [m30 * per_third, m21 * per_third, m12 * per_third, m03 * per_third];
+    let invariants = invariants(second, third);
+    for member in 0..invariants.len() {
+        let phi = invariants[member];
         let decades = phi.map(|phi| (1.0 + phi.abs() / PHI_MIN).log10().copysign(phi));
         values.set_member(M::Moment, member, outline.or_zero(decades.single()));
     }

@@ -5,19 +5,18 @@ use super::beams;
 use super::families::Measure as M;
 use super::fourier::{Harmonics, fourier};
 use super::lines::lines;
-use super::minima::minima;
+use super::minima::{Found, minima};
 use super::moments::{Along, moments};
 use super::polygon::{self, Directions, Outline};
-use super::values::{Ranges, Values};
-use crate::scan::Instructions;
+use super::values::Values;
+use crate::scan::lanes::{Singles, ZERO};
+use crate::scan::{Instructions, N_BEAMS, Ranges};
 
 /// Features that share their work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Group {
     Differences,
-    ClippedDifferences,
     Lengths,
-    Gaps,
     Lines,
     Minima,
     Relations,
@@ -30,12 +29,15 @@ enum Group {
 impl Group {
     fn of(measure: M) -> Self {
         match measure {
-            M::MeanDifference | M::SdDifference => Self::Differences,
-            M::MeanClippedDifference | M::SdClippedDifference => Self::ClippedDifferences,
+            M::MeanDifference
+            | M::SdDifference
+            | M::MeanClippedDifference
+            | M::SdClippedDifference
+            | M::Gaps
+            | M::GapFraction => Self::Differences,
             M::MeanLength | M::SdLength | M::MeanNormalizedLength | M::SdNormalizedLength | M::Kurtosis => {
                 Self::Lengths
             }
-            M::Gaps | M::GapFraction => Self::Gaps,
             M::BeamsOnLines => Self::Lines,
             M::MinimaDistance | M::MinimaAngle => Self::Minima,
             M::MeanRelation | M::SdRelation | M::RelativeGaps | M::RelativeGapFraction => Self::Relations,
@@ -62,11 +64,23 @@ impl Group {
     }
 }
 
+/// What features are worked out in, from group to group of cells: cleared by those who need it clear.
+pub(super) struct Buffers {
+    edges: [Singles; N_BEAMS],
+    radii: [Singles; N_BEAMS],
+    found: Found,
+}
+
+impl Buffers {
+    pub(super) fn new() -> Box<Self> {
+        Box::new(Self { edges: [ZERO; N_BEAMS], radii: [ZERO; N_BEAMS], found: Found::NONE })
+    }
+}
+
 /// The groups that a list of features needs, and constants for computing them.
 pub(super) struct Plan {
     groups: Vec<Group>,
-    /// Whether A4 is asked for.
-    sd_of_clipped: bool,
+    differences: beams::Differences,
     harmonics: Harmonics,
     directions: Directions,
     along: Along,
@@ -76,20 +90,22 @@ impl Plan {
     pub(super) fn new(columns: &[FeatureId]) -> Self {
         let mut groups: Vec<Group> = Vec::new();
         let mut harmonics = Vec::new();
-        let mut sd_of_clipped = false;
+        let mut differences = beams::Differences::default();
         for feature in columns.iter().map(|id| id.feature()) {
             let group = Group::of(feature.measure);
             if !groups.contains(&group) {
                 groups.push(group);
             }
-            sd_of_clipped |= feature.measure == M::SdClippedDifference;
-            if let (M::Fourier, Some(k)) = (feature.measure, feature.parameter) {
-                harmonics.push(k as usize);
+            match (feature.measure, feature.parameter) {
+                (M::MeanClippedDifference | M::SdClippedDifference, _) => differences.clipped = true,
+                (M::Gaps | M::GapFraction, _) => differences.gaps = true,
+                (M::Fourier, Some(k)) => harmonics.push(k as usize),
+                _ => {}
             }
         }
         Self {
             groups,
-            sd_of_clipped,
+            differences,
             harmonics: Harmonics::new(harmonics),
             directions: Directions::new(),
             along: Along::new(),
@@ -97,30 +113,35 @@ impl Plan {
     }
 
     /// Computes the features of the cells with ranges `d`.
-    pub(super) fn measure(&self, d: &Ranges, instructions: Instructions, values: &mut Values) {
+    pub(super) fn measure(
+        &self,
+        d: &Ranges,
+        instructions: Instructions,
+        buffers: &mut Buffers,
+        values: &mut Values,
+    ) {
         instructions.run(
             #[inline(always)]
-            || self.measure_inlined(d, values),
+            || self.measure_inlined(d, buffers, values),
         );
     }
 
     #[inline(always)]
-    fn measure_inlined(&self, d: &Ranges, values: &mut Values) {
+    fn measure_inlined(&self, d: &Ranges, buffers: &mut Buffers, values: &mut Values) {
+        let Buffers { edges, radii, found } = buffers;
         let is_polygon = self.groups.iter().any(|group| group.is_polygon());
-        let outline = if is_polygon { Some(Outline::new(d)) } else { None };
+        let outline = if is_polygon { Some(Outline::new(d, edges)) } else { None };
         for group in &self.groups {
             match (group, &outline) {
-                (Group::Differences, _) => beams::differences(d, values),
-                (Group::ClippedDifferences, _) => {
-                    beams::clipped_differences(d, self.sd_of_clipped, values);
-                }
+                (Group::Differences, _) => beams::differences(d, self.differences, values),
                 (Group::Lengths, _) => beams::lengths(d, values),
-                (Group::Gaps, _) => beams::gaps(d, values),
                 (Group::Lines, _) => lines(d, &self.along, values),
-                (Group::Minima, _) => minima(d, &self.along, values),
+                (Group::Minima, _) => minima(d, &self.along, found, values),
                 (Group::Relations, _) => beams::relations(d, values),
                 (Group::Areas, Some(outline)) => polygon::areas(outline, values),
-                (Group::Radii, Some(outline)) => polygon::radii(d, &self.directions, outline, values),
+                (Group::Radii, Some(outline)) => {
+                    polygon::radii(d, &self.directions, outline, radii, values);
+                }
                 (Group::Moments, Some(outline)) => {
                     moments(d, &self.along, outline, values);
                 }

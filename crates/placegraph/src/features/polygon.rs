@@ -7,9 +7,9 @@
 use std::f32::consts::PI;
 
 use super::families::Measure as M;
-use super::lanes::{Lanes, Singles, TINY, beams, mean_and_sd, sum};
-use super::values::{Ranges, Values};
-use crate::scan::{N_BEAMS, beam_direction};
+use super::values::Values;
+use crate::scan::lanes::{Lanes, Singles, TINY, ZERO, beams, mean_and_sd};
+use crate::scan::{N_BEAMS, Ranges, beam_direction};
 
 /// A polygon with less area (m²) or perimeter (m) is a point: all of set B is 0.
 const DEGENERATE: f32 = 1e-9;
@@ -30,32 +30,29 @@ impl Directions {
 }
 
 /// Area and perimeter, which the other measures need.
-pub(super) struct Outline {
+pub(super) struct Outline<'a> {
     pub(super) area: Singles,
     pub(super) perimeter: Singles,
     /// Length of the edge from vertex i to i + 1.
-    pub(super) edges: [Singles; N_BEAMS],
+    pub(super) edges: &'a [Singles; N_BEAMS],
 }
 
-impl Outline {
+impl<'a> Outline<'a> {
+    /// `edges` is where their lengths are stored.
     #[inline(always)]
-    pub(super) fn new(d: &Ranges) -> Self {
+    pub(super) fn new(d: &Ranges, edges: &'a mut [Singles; N_BEAMS]) -> Self {
         let [sector, chord] = [sin_deg(1.0), 4.0 * sin_deg(0.5) * sin_deg(0.5)];
-        let mut edges = [Lanes::all(0.0); N_BEAMS];
-        for i in beams(N_BEAMS, 1) {
-            let difference = d[i] - d[i + 1];
-            edges[i] = (difference * difference + d[i] * d[i + 1] * chord).sqrt();
+        let (mut areas, mut lengths) = ([ZERO; 4], [ZERO; 4]);
+        for start in beams(N_BEAMS, 4) {
+            for (part, i) in (start..start + 4).enumerate() {
+                let (difference, product) = (d[i] - d[i + 1], d[i] * d[i + 1]);
+                edges[i] = (difference * difference + product * chord).sqrt();
+                areas[part] += product;
+                lengths[part] += edges[i];
+            }
         }
-        let area = sum(
-            N_BEAMS,
-            #[inline(always)]
-            |i| d[i] * d[i + 1],
-        );
-        let perimeter = sum(
-            N_BEAMS,
-            #[inline(always)]
-            |i| edges[i],
-        );
+        let area = (areas[0] + areas[1]) + (areas[2] + areas[3]);
+        let perimeter = (lengths[0] + lengths[1]) + (lengths[2] + lengths[3]);
         Self { area: area * (0.5 * sector), perimeter, edges }
     }
 
@@ -73,7 +70,7 @@ fn sin_deg(degrees: f64) -> f32 {
 
 /// B1, B2, B3, B13, B14 and B15.
 #[inline(always)]
-pub(super) fn areas(outline: &Outline, values: &mut Values) {
+pub(super) fn areas(outline: &Outline<'_>, values: &mut Values) {
     let (area, perimeter) = (outline.area, outline.perimeter);
     let mut set = |measure, value| values.set(measure, outline.or_zero(value));
     set(M::Area, area);
@@ -84,9 +81,15 @@ pub(super) fn areas(outline: &Outline, values: &mut Values) {
     set(M::NormalizedCircularity, area * (4.0 * PI) / (perimeter * perimeter));
 }
 
-/// B4, B5, B16 and B17.
+/// B4, B5, B16 and B17; `radii` is where the radii are stored.
 #[inline(always)]
-pub(super) fn radii(d: &Ranges, directions: &Directions, outline: &Outline, values: &mut Values) {
+pub(super) fn radii(
+    d: &Ranges,
+    directions: &Directions,
+    outline: &Outline<'_>,
+    radii: &mut [Singles; N_BEAMS],
+    values: &mut Values,
+) {
     let Directions { cos, sin } = directions;
     // The centroid: triangles from the robot, each weighted by its area.
     let sector = sin_deg(1.0);
@@ -98,7 +101,6 @@ pub(super) fn radii(d: &Ranges, directions: &Directions, outline: &Outline, valu
         centroid_y += (d[i] * sin[i] + d[i + 1] * sin[i + 1]) * sector;
     }
     (centroid_x, centroid_y) = (centroid_x * weight, centroid_y * weight);
-    let mut radii = [Lanes::all(0.0); N_BEAMS];
     let mut largest = Lanes::all(TINY);
     for i in beams(N_BEAMS, 1) {
         let (x, y) = (d[i] * cos[i] - centroid_x, d[i] * sin[i] - centroid_y);

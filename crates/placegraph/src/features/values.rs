@@ -1,14 +1,10 @@
-//! The features of a group of cells, at the positions of the registry, and the ranges that they come from.
+//! The features of a group of cells, at the positions of the registry.
 
 use std::sync::LazyLock;
 
 use super::families::Measure;
-use super::lanes::{Lanes, Singles};
 use super::registry::registry;
-use crate::scan::N_BEAMS;
-
-/// Ranges of a group of cells in meters, by beam; the first beam again at the end.
-pub(super) type Ranges = [Singles; N_BEAMS + 1];
+use crate::scan::lanes::{Lanes, Singles};
 
 /// For every measure, the position in the registry of its first feature.
 static FIRST: LazyLock<Vec<usize>> = LazyLock::new(|| {

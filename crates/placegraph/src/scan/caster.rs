@@ -6,53 +6,79 @@
 //! Cost: about a nanosecond per beam with 512-bit instructions.
 
 use super::cast::range_m;
+use super::lanes::{Singles, WIDTH, ZERO};
 use super::obstacles::Obstacles;
 use super::path::{N_OCTANT, Octant, octant_path};
-use super::walk::{LANES, MAX_STEPS, Path, count_steps};
+use super::walk::{LANES, MAX_STEPS, Path, Steps, count_steps, place};
 use super::{Block, Instructions, N_BEAMS, ScanConfig};
 use crate::grid::OccupancyGrid;
 
-/// Ranges from beam to beam in a [`BlockRanges`]: no power of 2, which would put the beams of a cell in the same few
-/// places of a cache.
-const STRIDE: usize = LANES + 16;
+/// Ranges of [`WIDTH`] cells in meters, by beam; the first beam again at the end.
+pub(crate) type Ranges = [Singles; N_BEAMS + 1];
+
+/// Steps that are counted in a byte.
+const SHORT: usize = 256;
 
 /// Casts the beams of whole blocks of cells. Holds the map as bits and the paths of all directions.
 #[derive(Clone, Debug)]
 pub struct RayCaster {
     obstacles: Obstacles,
     paths: Vec<Path>,
-    /// For the beams of the first octant: the range in meters after so many steps.
+    /// For the beams of the first octant: the range in meters after so many steps; at least [`SHORT`] of them.
     ranges_m: Vec<Vec<f32>>,
 }
 
-/// The ranges of a block's cells, beam by beam.
+/// The ranges of a block's cells.
 #[derive(Clone, Debug)]
 pub struct BlockRanges {
-    ranges_m: Vec<f32>,
-    lanes: Vec<u16>,
+    /// The cells of the block in row-major order, a few at a time, as features are computed of them.
+    groups: Vec<Ranges>,
+    n_cells: usize,
+    /// Where [`Steps`] has every cell's count; the last one again until the last group is full.
+    places: Vec<[u16; WIDTH]>,
 }
 
 impl BlockRanges {
     /// Room for the ranges of any block.
     #[expect(clippy::new_without_default, reason = "a buffer of 0.7 MB is made on purpose")]
     pub fn new() -> Self {
-        Self { ranges_m: vec![0.0; N_BEAMS * STRIDE], lanes: Vec::with_capacity(LANES) }
+        Self { groups: vec![[ZERO; N_BEAMS + 1]; LANES / WIDTH], n_cells: 0, places: Vec::new() }
     }
 
     /// Number of cells of the block.
     pub fn n_cells(&self) -> usize {
-        self.lanes.len()
+        self.n_cells
     }
 
-    /// The ranges of `beam` in meters, one per cell of the block, row-major.
-    pub fn beam(&self, beam: usize) -> &[f32] {
-        &self.padded_beam(beam)[..self.lanes.len()]
+    /// The range in meters of a beam of the block's cell number `cell`, row-major.
+    ///
+    /// # Panics
+    /// If the block has no such cell, or there is no such beam.
+    pub fn range_m(&self, cell: usize, beam: usize) -> f32 {
+        assert!(cell < self.n_cells && beam < N_BEAMS, "cell {cell} of {}, beam {beam}", self.n_cells);
+        self.groups[cell / WIDTH][beam].0[cell % WIDTH]
     }
 
-    /// The same, followed by the ranges of an earlier block, up to [`Block::MAX_CELLS`] ranges.
+    /// All ranges; beyond the last cell its ranges are repeated.
     #[inline(always)]
-    pub(crate) fn padded_beam(&self, beam: usize) -> &[f32] {
-        &self.ranges_m[beam * STRIDE..][..LANES]
+    pub(crate) fn groups(&self) -> &[Ranges] {
+        &self.groups[..self.places.len()]
+    }
+
+    /// Takes the cells of `block` in place of the last one's.
+    fn take(&mut self, block: &Block) {
+        self.n_cells = block.n_cells();
+        self.places.clear();
+        let mut places = block.lanes().map(place);
+        while let Some(first) = places.next() {
+            let mut last = first;
+            self.places.push(std::array::from_fn(|lane| {
+                if lane > 0 {
+                    last = places.next().unwrap_or(last);
+                }
+                last
+            }));
+        }
     }
 }
 
@@ -68,7 +94,10 @@ impl RayCaster {
         let ranges_m = octant.iter().map(|path| {
             let entries = path.iter().map(|step| range_m(step.entry_cells, grid, config));
             let all = entries.chain([config.range_max_m]);
-            all.map(|range| (range * config.range_scale) as f32).collect()
+            let mut ranges: Vec<f32> = all.map(|range| (range * config.range_scale) as f32).collect();
+            // Not looked up, but so no look-up has to be checked.
+            ranges.resize(ranges.len().max(SHORT), 0.0);
+            ranges
         });
         let paths = (0..N_BEAMS).map(|beam| {
             let turn = Octant::of(beam);
@@ -98,18 +127,34 @@ impl RayCaster {
 
     #[inline(always)]
     fn cast_block_inlined(&self, block: &Block, ranges: &mut BlockRanges) {
-        ranges.lanes.clear();
-        ranges.lanes.extend(block.lanes());
+        ranges.take(block);
         let position = self.obstacles.position(block.corner);
         let wanted = block.rows.map(|run| run.columns);
         for (beam, path) in self.paths.iter().enumerate() {
             let steps = count_steps(&self.obstacles, position, &wanted, path);
             let table = self.ranges_m[Octant::of(beam).beam].as_slice();
-            let lanes = ranges.lanes.as_slice();
-            let out = &mut ranges.ranges_m[beam * STRIDE..][..lanes.len()];
-            for (range, &lane) in out.iter_mut().zip(lanes) {
-                *range = table[usize::from(steps[usize::from(lane) % LANES])];
+            let groups = ranges.groups.iter_mut().zip(&ranges.places);
+            match (&steps, table.first_chunk::<SHORT>()) {
+                (Steps { low, high: None }, Some(table)) => {
+                    for (group, places) in groups {
+                        for (range, &place) in group[beam].0.iter_mut().zip(places) {
+                            *range = table[usize::from(low[usize::from(place) % LANES])];
+                        }
+                    }
+                }
+                (Steps { low, high }, _) => {
+                    let high = high.unwrap_or([0; LANES]);
+                    for (group, places) in groups {
+                        for (range, &place) in group[beam].0.iter_mut().zip(places) {
+                            let place = usize::from(place) % LANES;
+                            *range = table[usize::from(u16::from_le_bytes([low[place], high[place]]))];
+                        }
+                    }
+                }
             }
+        }
+        for group in &mut ranges.groups[..ranges.places.len()] {
+            group[N_BEAMS] = group[0];
         }
     }
 }

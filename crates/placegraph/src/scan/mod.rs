@@ -8,6 +8,7 @@ mod cast;
 mod caster;
 mod config;
 mod instructions;
+pub(crate) mod lanes;
 mod obstacles;
 mod path;
 #[expect(clippy::module_inception, reason = "the module's main type")]
@@ -16,6 +17,7 @@ mod walk;
 
 pub use blocks::{Block, Run};
 pub use cast::cast;
+pub(crate) use caster::Ranges;
 pub use caster::{BlockRanges, RayCaster};
 pub use config::{N_BEAMS, ScanConfig, UnknownCells, beam_angle_rad};
 pub use instructions::Instructions;

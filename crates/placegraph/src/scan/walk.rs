@@ -20,17 +20,26 @@ pub(super) struct Path {
     pub(super) beside: Vec<[Offset; 2]>,
 }
 
-/// Number of cells of `path` that the beam of every cell enters before one stops it; row-major in the block.
+/// Step counts of the cells of a block, in the order of [`place`]: their lower bytes, and the upper ones where a beam takes
+/// more than 255 steps, which few do.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Steps {
+    pub(super) low: [u8; LANES],
+    pub(super) high: Option<[u8; LANES]>,
+}
+
+/// Where [`Steps`] has the count of the cell with this number, row-major in the block.
+pub(super) fn place(lane: u16) -> u16 {
+    let (row, column) = (lane / WORD as u16, lane % WORD as u16);
+    (column / 8 * ROWS as u16 + row) * 8 + column % 8
+}
+
+/// Number of cells of `path` that the beam of every cell enters before one stops it.
 ///
 /// `position` is that of the block's words, `wanted` the cells to start from; the others count 0. Cost: about
 /// 12 vector instructions per step of the longest beam.
 #[inline(always)]
-pub(super) fn count_steps(
-    obstacles: &Obstacles,
-    position: usize,
-    wanted: &Plane,
-    path: &Path,
-) -> [u16; LANES] {
+pub(super) fn count_steps(obstacles: &Obstacles, position: usize, wanted: &Plane, path: &Path) -> Steps {
     let planes = if path.beside.is_empty() {
         let (chunks, rest) = path.cells.as_chunks::<STRIDE>();
         walk(
@@ -127,25 +136,16 @@ fn flip(plane: &mut Plane, bits: &Plane) {
 
 /// Bit planes as numbers.
 #[inline(always)]
-fn numbers(planes: &[Plane; PLANES]) -> [u16; LANES] {
+fn numbers(planes: &[Plane; PLANES]) -> Steps {
     let (low, high) = planes.split_at(PLANES / 2);
-    let (low, high) = (bytes(low), bytes(high));
-    let mut numbers = [0; LANES];
-    for (byte, (low, high)) in low.iter().zip(&high).enumerate() {
-        for row in 0..ROWS {
-            let at = row * WORD + byte * 8;
-            let (low, high) = (low[row].to_le_bytes(), high[row].to_le_bytes());
-            for (bit, number) in numbers[at..at + 8].iter_mut().enumerate() {
-                *number = u16::from_le_bytes([low[bit], high[bit]]);
-            }
-        }
-    }
-    numbers
+    let is_long = high.as_flattened().iter().fold(0, |any, word| any | word) != 0;
+    Steps { low: bytes(low), high: if is_long { Some(bytes(high)) } else { None } }
 }
 
-/// Eight bit planes as bytes: byte l of word b is the number in bit 8 b + l of the planes.
+/// Eight bit planes as bytes, in the order of [`place`]: byte l of word b of a row is the number in bit 8 b + l of the
+/// planes.
 #[inline(always)]
-fn bytes(planes: &[Plane]) -> [Plane; 8] {
+fn bytes(planes: &[Plane]) -> [u8; LANES] {
     let mut words: [Plane; 8] = std::array::from_fn(|plane| planes[plane]);
     // Transpose the 8 × 8 bytes of the words of a row: blocks of 4, of 2, of 1.
     for (step, mask) in [(4, 0x0000_0000_FFFF_FFFF), (2, 0x0000_FFFF_0000_FFFF), (1, 0x00FF_00FF_00FF_00FF)] {
@@ -166,7 +166,11 @@ fn bytes(planes: &[Plane]) -> [Plane; 8] {
             *word ^= changed ^ changed << shift;
         }
     }
-    words
+    let mut bytes = [0; LANES];
+    for (bytes, word) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(words.as_flattened()) {
+        *bytes = word.to_le_bytes();
+    }
+    bytes
 }
 
 #[cfg(test)]
@@ -175,13 +179,22 @@ mod tests {
 
     #[test]
     fn planes_are_the_bits_of_numbers() {
-        let expected: [u16; LANES] = std::array::from_fn(|lane| (lane * 2_654_435_761 % 65_536) as u16);
-        let mut planes = [[0; ROWS]; PLANES];
-        for (lane, number) in expected.iter().enumerate() {
-            for (bit, plane) in planes.iter_mut().enumerate() {
-                plane[lane / WORD] |= u64::from(number >> bit & 1) << (lane % WORD);
+        for bits in [8, 16] {
+            let expected: [u16; LANES] =
+                std::array::from_fn(|lane| (lane * 2_654_435_761 % (1 << bits)) as u16);
+            let mut planes = [[0; ROWS]; PLANES];
+            for (lane, number) in expected.iter().enumerate() {
+                for (bit, plane) in planes.iter_mut().enumerate() {
+                    plane[lane / WORD] |= u64::from(number >> bit & 1) << (lane % WORD);
+                }
+            }
+            let steps = numbers(&planes);
+            assert_eq!(steps.high.is_some(), bits == 16);
+            for (lane, number) in expected.into_iter().enumerate() {
+                let at = usize::from(place(lane as u16));
+                let high = steps.high.map_or(0, |high| high[at]);
+                assert_eq!(u16::from_le_bytes([steps.low[at], high]), number);
             }
         }
-        assert_eq!(numbers(&planes), expected);
     }
 }

@@ -4,30 +4,33 @@ use std::hint::black_box;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub};
 
 /// Cells that are measured together: one 512-bit register of `f32`.
-pub(super) const WIDTH: usize = 16;
+pub(crate) const WIDTH: usize = 16;
 
 /// One value for each of [`WIDTH`] cells.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub(super) struct Lanes<T>(pub(super) [T; WIDTH]);
+pub(crate) struct Lanes<T>(pub(crate) [T; WIDTH]);
 
 /// Single precision, for nearly everything.
-pub(super) type Singles = Lanes<f32>;
+pub(crate) type Singles = Lanes<f32>;
 /// Double precision, for sums that cancel.
-pub(super) type Doubles = Lanes<f64>;
+pub(crate) type Doubles = Lanes<f64>;
+
+/// 0 for every cell.
+pub(crate) const ZERO: Singles = Lanes([0.0; WIDTH]);
 
 /// Added to divisors that may be 0; far below any length or area of a scan.
-pub(super) const TINY: f32 = 1e-30;
+pub(crate) const TINY: f32 = 1e-30;
 
 impl<T: Copy> Lanes<T> {
     /// The same value for every cell.
     #[inline(always)]
-    pub(super) fn all(value: T) -> Self {
+    pub(crate) fn all(value: T) -> Self {
         Self([value; WIDTH])
     }
 
     #[inline(always)]
-    pub(super) fn map<U: Copy + Default>(self, f: impl Fn(T) -> U) -> Lanes<U> {
+    pub(crate) fn map<U: Copy + Default>(self, f: impl Fn(T) -> U) -> Lanes<U> {
         let mut out = [U::default(); WIDTH];
         for lane in 0..WIDTH {
             out[lane] = f(self.0[lane]);
@@ -36,7 +39,7 @@ impl<T: Copy> Lanes<T> {
     }
 
     #[inline(always)]
-    pub(super) fn zip<U: Copy, V: Copy + Default>(self, other: Lanes<U>, f: impl Fn(T, U) -> V) -> Lanes<V> {
+    pub(crate) fn zip<U: Copy, V: Copy + Default>(self, other: Lanes<U>, f: impl Fn(T, U) -> V) -> Lanes<V> {
         let mut out = [V::default(); WIDTH];
         for lane in 0..WIDTH {
             out[lane] = f(self.0[lane], other.0[lane]);
@@ -47,51 +50,51 @@ impl<T: Copy> Lanes<T> {
 
 impl Singles {
     #[inline(always)]
-    pub(super) fn min(self, other: Self) -> Self {
+    pub(crate) fn min(self, other: Self) -> Self {
         self.zip(other, |a, b| if a < b { a } else { b })
     }
 
     #[inline(always)]
-    pub(super) fn max(self, other: Self) -> Self {
+    pub(crate) fn max(self, other: Self) -> Self {
         self.zip(other, |a, b| if a > b { a } else { b })
     }
 
     #[inline(always)]
-    pub(super) fn abs(self) -> Self {
+    pub(crate) fn abs(self) -> Self {
         self.map(f32::abs)
     }
 
     #[inline(always)]
-    pub(super) fn sqrt(self) -> Self {
+    pub(crate) fn sqrt(self) -> Self {
         self.map(f32::sqrt)
     }
 
     #[inline(always)]
-    pub(super) fn double(self) -> Doubles {
+    pub(crate) fn double(self) -> Doubles {
         self.map(f64::from)
     }
 
     /// 1 where the value is below `limit`, else 0.
     #[inline(always)]
-    pub(super) fn below(self, limit: f32) -> Self {
+    pub(crate) fn below(self, limit: f32) -> Self {
         self.map(|value| if value < limit { 1.0 } else { 0.0 })
     }
 
     /// 1 where the value is above `limit`, else 0.
     #[inline(always)]
-    pub(super) fn above(self, limit: f32) -> Self {
+    pub(crate) fn above(self, limit: f32) -> Self {
         self.map(|value| if value > limit { 1.0 } else { 0.0 })
     }
 
     /// The largest value.
     #[inline(always)]
-    pub(super) fn largest(self) -> f32 {
+    pub(crate) fn largest(self) -> f32 {
         self.halves(|a, b| if a > b { a } else { b })
     }
 
     /// The smallest value.
     #[inline(always)]
-    pub(super) fn smallest(self) -> f32 {
+    pub(crate) fn smallest(self) -> f32 {
         self.halves(|a, b| if a < b { a } else { b })
     }
 
@@ -107,9 +110,17 @@ impl Singles {
     }
 }
 
+impl Lanes<u32> {
+    /// Whether a value is not 0.
+    #[inline(always)]
+    pub(crate) fn is_any(self) -> bool {
+        self.0.iter().fold(0, |any, value| any | value) != 0
+    }
+}
+
 impl Doubles {
     #[inline(always)]
-    pub(super) fn single(self) -> Singles {
+    pub(crate) fn single(self) -> Singles {
         self.map(|value| value as f32)
     }
 }
@@ -172,7 +183,7 @@ impl<T: Copy + Default + Neg<Output = T>> Neg for Lanes<T> {
 /// Beams from 0 to `end` in steps, of which the compiler knows nothing more: left alone it would put beams side by side,
 /// whose values lie far apart in memory, instead of cells, whose values are neighbors.
 #[inline(always)]
-pub(super) fn beams(end: usize, step: usize) -> impl Iterator<Item = usize> {
+pub(crate) fn beams(end: usize, step: usize) -> impl Iterator<Item = usize> {
     (0..end).step_by(step).map(black_box)
 }
 
@@ -180,7 +191,7 @@ pub(super) fn beams(end: usize, step: usize) -> impl Iterator<Item = usize> {
 ///
 /// One after the other: the compiler would gather them, which takes several times as long.
 #[inline(always)]
-pub(super) fn of_lane(lane: usize, from: &[Singles], to: &mut [f32]) {
+pub(crate) fn of_lane(lane: usize, from: &[Singles], to: &mut [f32]) {
     const TOGETHER: usize = 8;
     let (chunks, to_chunks) = (from.as_chunks::<TOGETHER>().0, to.as_chunks_mut::<TOGETHER>().0);
     for chunk in beams(chunks.len(), 1) {
@@ -192,7 +203,7 @@ pub(super) fn of_lane(lane: usize, from: &[Singles], to: &mut [f32]) {
 
 /// Σ f(i) over `n` (a multiple of 4), in four interleaved sums: faster, and rounds less than one.
 #[inline(always)]
-pub(super) fn sum<T>(n: usize, f: impl Fn(usize) -> Lanes<T>) -> Lanes<T>
+pub(crate) fn sum<T>(n: usize, f: impl Fn(usize) -> Lanes<T>) -> Lanes<T>
 where
     T: Copy + Default + Add<Output = T>,
 {
@@ -207,7 +218,7 @@ where
 
 /// Mean of f(i) over `n` (a multiple of 4), relative to f(0): equal values have exactly their mean.
 #[inline(always)]
-pub(super) fn mean(n: usize, f: impl Fn(usize) -> Singles) -> Singles {
+fn mean(n: usize, f: impl Fn(usize) -> Singles) -> Singles {
     let first = f(0);
     let from_first = sum(
         n,
@@ -219,7 +230,7 @@ pub(super) fn mean(n: usize, f: impl Fn(usize) -> Singles) -> Singles {
 
 /// Mean and population standard deviation of f(i) over `n` (a multiple of 4); equal values have deviation 0.
 #[inline(always)]
-pub(super) fn mean_and_sd(n: usize, f: impl Fn(usize) -> Singles) -> (Singles, Singles) {
+pub(crate) fn mean_and_sd(n: usize, f: impl Fn(usize) -> Singles) -> (Singles, Singles) {
     let mean = mean(n, &f);
     let variance = sum(
         n,
