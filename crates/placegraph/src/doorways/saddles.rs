@@ -71,11 +71,37 @@ fn saddles_from(
                 }
             }
         }
-        if !is_from_before && n_groups(&mut higher) >= 2 {
+        if !is_from_before && are_parted(&mut higher) {
             found.extend(level.iter().map(|(node, _)| node));
         }
     }
     found
+}
+
+/// Up to so many cells are compared each with each: most level stretches are one node.
+const FEW: usize = 32;
+
+/// Whether `cells` form two or more 8-connected groups; some may be there more than once.
+fn are_parted(cells: &mut Vec<Cell>) -> bool {
+    if cells.len() > FEW {
+        return n_groups(cells) >= 2;
+    }
+    // Those that are connected with the first one come to the front.
+    let mut n_reached = cells.len().min(1);
+    let mut next = 0;
+    while next < n_reached {
+        let cell = cells[next];
+        next += 1;
+        let mut end = n_reached;
+        for other in n_reached..cells.len() {
+            if cell.x.abs_diff(cells[other].x) <= 1 && cell.y.abs_diff(cells[other].y) <= 1 {
+                cells.swap(other, end);
+                end += 1;
+            }
+        }
+        n_reached = end;
+    }
+    n_reached < cells.len()
 }
 
 /// Number of 8-connected groups of `cells`.
@@ -103,4 +129,25 @@ fn n_groups(cells: &mut Vec<Cell>) -> usize {
         }
     }
     n
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_cells_are_parted_as_many_are() {
+        let mut state = 1u32;
+        for n in 0..=FEW {
+            for side in 1..12 {
+                let mut random = || {
+                    state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                    (state >> 16) % side
+                };
+                let cells: Vec<Cell> = (0..n).map(|_| Cell::new(random(), random())).collect();
+                let expected = n_groups(&mut cells.clone()) >= 2;
+                assert_eq!(are_parted(&mut cells.clone()), expected, "{cells:?}");
+            }
+        }
+    }
 }
