@@ -58,8 +58,8 @@ fn the_picture_shows_classes_walls_and_signs() {
     let set = LabelSet::default();
     let map = topology(&grid, &labels, &set);
     let image = decoded(&overview_png(&grid, &labels, &set, &map, "two places"));
-    assert!(image.width() > image.height() && (1500..3000).contains(&image.width()));
-    let cell_px = 2000usize.div_ceil(12).pow(2);
+    assert!(image.width() > image.height() && (600..1500).contains(&image.width()));
+    let cell_px = 800usize.div_ceil(12).pow(2);
     // Most of the 12 corridor cells and 9 room cells are in the light color of their class.
     let pastel = |k: usize| set.classes()[k].color.map(|c| (c as f64 * 0.58 + 255.0 * 0.42).round() as u8);
     assert!((9 * cell_px..12 * cell_px).contains(&count(&image, pastel(0))), "{}", count(&image, pastel(0)));
@@ -67,7 +67,7 @@ fn the_picture_shows_classes_walls_and_signs() {
     // The walls: 10 + 2 + 3 + 3 + 2 + 10 of 12 × 7 cells, less what lines cover.
     assert!(count(&image, [52, 58, 70]) > 20 * cell_px);
     // Text and graph.
-    assert!(count(&image, [35, 41, 54]) > 500);
+    assert!(count(&image, [35, 41, 54]) > 200);
     let without = decoded(&overview_png(&grid, &labels, &set, &TopologicalMap::default(), "two places"));
     assert_ne!(image, without);
 }

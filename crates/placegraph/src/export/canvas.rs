@@ -7,8 +7,11 @@ use crate::labels::{Label, LabelSet};
 pub(super) const WALL: [u8; 3] = [52, 58, 70];
 /// Color of unknown cells and of the page.
 pub(super) const PAPER: [u8; 3] = [255, 255, 255];
-/// Pictures of maps smaller than this get several pixels per cell.
+/// Pictures of maps smaller than this get several pixels per cell, at most [`MAX_PX_PER_CELL`].
 const LONGEST_SIDE_PX: f64 = 2000.0;
+const MAX_PX_PER_CELL: f64 = 8.0;
+/// The smallest maps are drawn larger, for the sake of the text in them.
+const SHORTEST_SIDE_PX: f64 = 800.0;
 /// Larger maps are drawn with several cells per pixel.
 const MAX_SIDE_PX: f64 = 4096.0;
 /// Cells of unknown space around what is known.
@@ -54,7 +57,8 @@ impl Crop {
         let px_per_cell = if longest > MAX_SIDE_PX {
             MAX_SIDE_PX / longest
         } else {
-            (LONGEST_SIDE_PX / longest).round().max(1.0)
+            let px_per_cell = (LONGEST_SIDE_PX / longest).min(MAX_PX_PER_CELL);
+            px_per_cell.max(SHORTEST_SIDE_PX / longest).round().max(1.0)
         };
         Self { left, bottom, width, height, px_per_cell }
     }
@@ -171,9 +175,20 @@ mod tests {
         let grid = OccupancyGrid::from_ascii(0.05, &drawing.join("\n"));
         let crop = Crop::of_known(&grid);
         assert_eq!((crop.left, crop.bottom, crop.width, crop.height), (6, 10, 10, 9));
-        assert_eq!((crop.width_px(), crop.height_px()), (2000, 1800));
+        assert_eq!((crop.width_px(), crop.height_px()), (800, 720));
         // The wall's upper left corner: 4 cells from the left, 4 from the top.
-        assert_eq!(crop.pixel(Cell::new(10, 14)), (800, 800));
+        assert_eq!(crop.pixel(Cell::new(10, 14)), (320, 320));
+    }
+
+    #[test]
+    fn the_scale_falls_with_the_size_of_the_map() {
+        let half_px_per_cell = |side: u32| {
+            let cells = crate::grid::Grid::filled(side, 1, Occupancy::Free);
+            let frame = OccupancyGrid::from_ascii(0.05, ".").frame;
+            (2.0 * Crop::of_known(&OccupancyGrid { frame, cells }).px_per_cell) as u32
+        };
+        let found = [20, 100, 160, 250, 400, 1000, 3000, 8192].map(half_px_per_cell);
+        assert_eq!(found, [80, 16, 16, 16, 10, 4, 2, 1]);
     }
 
     #[test]

@@ -3,8 +3,8 @@
 //! Cells are painted here, everything else is SVG and drawn by `resvg` with an embedded font. Cost: linear in
 //! cells, at most 4096 pixels a side for the map.
 
-use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder};
+use std::io::Write as _;
+
 use resvg::tiny_skia::{Color, Pixmap, Transform};
 use resvg::usvg;
 
@@ -75,15 +75,27 @@ pub(super) fn draw(svg: &str, pixmap: &mut Pixmap) {
 
 /// An opaque picture as PNG.
 pub(super) fn encode(pixmap: &Pixmap) -> Vec<u8> {
-    let mut rgb = vec![0; pixmap.data().len() / 4 * 3];
-    for (rgb, rgba) in rgb.chunks_exact_mut(3).zip(pixmap.data().chunks_exact(4)) {
-        rgb.copy_from_slice(&rgba[..3]);
-    }
-    let mut png = Vec::new();
-    let encoder = PngEncoder::new_with_quality(&mut png, CompressionType::Fast, FilterType::Up);
+    let write = || -> Result<Vec<u8>, png::EncodingError> {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, pixmap.width(), pixmap.height());
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.set_compression(png::Compression::Fast);
+        encoder.set_filter(png::Filter::Up);
+        let mut header = encoder.write_header()?;
+        let mut rows = header.stream_writer()?;
+        // Row by row: no second picture in memory.
+        let mut row = vec![0; pixmap.width() as usize * 3];
+        for pixels in pixmap.data().chunks_exact(pixmap.width() as usize * 4) {
+            for (rgb, rgba) in row.chunks_exact_mut(3).zip(pixels.chunks_exact(4)) {
+                rgb.copy_from_slice(&rgba[..3]);
+            }
+            rows.write_all(&row)?;
+        }
+        rows.finish()?;
+        header.finish()?;
+        Ok(file)
+    };
     #[expect(clippy::expect_used, reason = "a vector takes every byte, and the sizes agree")]
-    encoder
-        .write_image(&rgb, pixmap.width(), pixmap.height(), ExtendedColorType::Rgb8)
-        .expect("a picture in memory");
-    png
+    write().expect("a picture in memory")
 }
