@@ -1,17 +1,16 @@
 //! Relaxation beside its plain twin and beside the memory's speed, in one run:
-//! `cargo bench -p placegraph --bench relaxation`. Read the ratios, not the times.
-#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "helpers of benches")]
+//! `cargo bench -p placegraph --bench relaxation`. Read the ratios, not the times: a plain iteration reads and writes every
+//! probability once.
+#![allow(clippy::unwrap_used, reason = "helpers of benches")]
 
-mod probe;
-
-use std::time::Instant;
+#[path = "probe/memory.rs"]
+mod memory;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use placegraph::grid::{Cell, CellGraph, Grid, Occupancy};
 use placegraph::labels::LabelField;
 use placegraph::relax::{Compatibility, RelaxConfig, relax};
 use placegraph_testkit::relax as plain;
-use probe::Bandwidth;
 
 const ITERATIONS: u32 = 50;
 
@@ -40,28 +39,11 @@ fn compatibility(n_labels: usize) -> Compatibility {
 }
 
 fn relaxation(criterion: &mut Criterion) {
-    let (bandwidth, config) = (Bandwidth::measure(), RelaxConfig::default());
+    let config = RelaxConfig::default();
     let one_thread = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     for n_labels in [3, 4] {
         let (graph, field) = office(1200, 900, n_labels);
         let r = compatibility(n_labels);
-        // A plain iteration reads and writes every probability once.
-        let bytes = (graph.n_nodes() * n_labels * 8) as f64 * f64::from(ITERATIONS);
-        let seconds = |run: &dyn Fn()| {
-            let time = |_| {
-                let start = Instant::now();
-                run();
-                start.elapsed().as_secs_f64()
-            };
-            (0..5).map(time).fold(f64::INFINITY, f64::min)
-        };
-        let one = seconds(&|| drop(one_thread.install(|| relax(&graph, &field, &r, &config))));
-        let all = seconds(&|| drop(relax(&graph, &field, &r, &config)));
-        println!(
-            "{n_labels} labels: {:.2} times the memory bound of plain iterations on one core, {:.2} times on all",
-            one * bandwidth.one_core / bytes,
-            all * bandwidth.all_cores / bytes
-        );
         let mut group = criterion.benchmark_group(format!("relaxation, {n_labels} labels"));
         group.sample_size(10);
         group.throughput(Throughput::Elements(graph.n_nodes() as u64 * u64::from(ITERATIONS)));
@@ -78,5 +60,5 @@ fn relaxation(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, relaxation);
+criterion_group!(benches, memory::limits, relaxation);
 criterion_main!(benches);

@@ -1,5 +1,5 @@
 //! The stages after the classifier, and the whole of [`pipeline::analyze`], at three sizes:
-//! `cargo bench -p placegraph --bench stages`. Where there is a plain twin it runs beside.
+//! `cargo bench -p placegraph --bench stages`. Plain twins run beside, named after their stage.
 //!
 //! The whole map also runs on `maps/office`, on fr79 in the folder of `PLACEGRAPH_DATA`, and with
 //! `PLACEGRAPH_LARGE=1` on 10 M cells.
@@ -26,6 +26,7 @@ use placegraph::topology;
 use placegraph_testkit::regions::flood_fill;
 
 mod maps;
+mod twins;
 
 use maps::{dump, is_door, office};
 
@@ -69,12 +70,14 @@ fn stages(criterion: &mut Criterion) {
             image::Luma([graph.node_at(Cell::new(x, y)).map_or(0, |node| labeling[node].0 + 1)])
         });
         dump(image.width(), image.height(), image.as_raw());
+        let as_graph = twins::cells_as_graph(&graph);
         let mut group = criterion.benchmark_group("stages");
         group.sample_size(10).sampling_mode(SamplingMode::Flat).throughput(Throughput::Elements(n as u64));
         let mut bench = |name: &str, run: &dyn Fn()| {
             group.bench_function(BenchmarkId::new(name, n), |bencher| bencher.iter(run));
         };
         bench("graph", &|| drop(CellGraph::new(&grid.cells)));
+        bench("graph, hash map", &|| drop(twins::numbered(&grid.cells)));
         bench("regions", &|| drop(connected(&graph, &labeling, DiagonalSteps::default())));
         bench("regions, flood fill", &|| drop(flood_fill(&graph, &labeling, DiagonalSteps::default())));
         bench("regions, imageproc", &|| {
@@ -85,18 +88,29 @@ fn stages(criterion: &mut Criterion) {
             ));
         });
         bench("region statistics", &|| drop(properties(&graph, &grid.frame, &regions)));
+        bench("region statistics, cell by cell", &|| drop(twins::statistics(&graph, &regions)));
         bench("doorways", &|| {
             let config = DoorwayConfig::default();
             drop(doorways::mark(&graph, RESOLUTION_M, &field, &labeling, &set, &config));
         });
-        bench("spaces", &|| {
-            let config = SpaceConfig::default();
-            drop(spaces::settle(&graph, RESOLUTION_M, &field, &labeling, &set, &config));
+        bench("doorways, imageproc's distance transform alone", &|| {
+            std::hint::black_box(twins::clearance(&image));
         });
+        let settle = |config| drop(spaces::settle(&graph, RESOLUTION_M, &field, &labeling, &set, &config));
+        bench("spaces", &|| settle(SpaceConfig::default()));
+        bench("spaces, in tiles", &|| settle(SpaceConfig { max_cut: 0, ..SpaceConfig::default() }));
         bench("topology and outlines", &|| {
             drop(topology::build(&graph, &grid.frame, &field, &regions, &set));
         });
+        bench("topology and outlines, petgraph's Dijkstra alone", &|| {
+            std::hint::black_box(twins::shortest_ways(&as_graph));
+        });
+        bench("outlines", &|| drop(topology::outlines(&graph, &grid.frame, &regions)));
+        bench("outlines, imageproc", &|| {
+            std::hint::black_box(twins::contours(&image, 3));
+        });
         bench("labels.png", &|| drop(export::label_png(&graph, &labeling)));
+        bench("labels.png, every filter tried", &|| drop(twins::filtered_png(&image)));
         bench("overview.png", &|| drop(export::overview_png(&grid, &labeling, &set, &topology, "office")));
         group.finish();
     }

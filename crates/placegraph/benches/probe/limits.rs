@@ -1,4 +1,4 @@
-//! What this machine can do at best: arithmetic in registers, and passes over memory.
+//! What this machine can do at best: arithmetic in registers.
 
 use std::hint::black_box;
 
@@ -12,10 +12,8 @@ const WIDTH: usize = 16;
 /// Sums that are worked on in turn, so that none waits for itself.
 const SUMS: usize = 7;
 const N_ROUNDS: usize = 4096;
-/// Larger than any cache, in `f32`: 256 MiB.
-const N_VALUES: usize = 1 << 26;
 
-/// Multiplications with an addition each, and bytes read and written, of one core.
+/// Multiplications with an addition each, of one core.
 pub(crate) fn limits(criterion: &mut Criterion<ProcessorTime>) {
     let mut group = criterion.benchmark_group("limits");
     group.sample_size(10).sampling_mode(SamplingMode::Flat);
@@ -30,16 +28,6 @@ pub(crate) fn limits(criterion: &mut Criterion<ProcessorTime>) {
             });
         });
     }
-    let mut values = vec![1.0f32; N_VALUES];
-    group.throughput(Throughput::Bytes((2 * N_VALUES * size_of::<f32>()) as u64));
-    group.bench_function("memory", |bencher| {
-        bencher.iter(|| {
-            for value in &mut values {
-                *value = *value * 0.5 + 0.5;
-            }
-            black_box(&values);
-        });
-    });
     group.finish();
 }
 
