@@ -72,6 +72,10 @@ pub struct Analysis {
     pub changes: Vec<Change>,
 }
 
+/// Nodes up to which the smoothed field is kept beside the other while spaces are cut. Both and a cut take more memory than
+/// all else; of larger maps the field is smoothed again, which is cheap.
+const MAX_KEPT: usize = 1 << 20;
+
 /// Memory that [`analyze`] and the files of its result take at most beside the map and 64 MB, in bytes: a multiple of the
 /// map's cells, of which `n_free` are free (`docs/reliability.md`). Most maps take half of it: the bound is that of a map which
 /// is one space.
@@ -95,13 +99,13 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
         let config = SpaceConfig::default();
         let settle = |evidence| spaces::settle(&graph, resolution_m, evidence, &labeling, label_set, &config);
         match &model.method {
-            Method::Boosted(boosted) => {
-                // Two fields and a cut together take more memory than all else: smoothing again is cheap.
+            Method::Boosted(boosted) if graph.n_nodes() > MAX_KEPT => {
                 drop(smoothed);
                 labeling = settle(&classified);
                 relax_in_place(&graph, &mut classified, &boosted.compatibility, &boosted.relaxation);
                 smoothed = classified;
             }
+            Method::Boosted(_) => labeling = settle(&classified),
             // A network learns its node scores together with its edges; alone they say little.
             Method::Iamn(_) => labeling = settle(&smoothed),
         }
