@@ -85,7 +85,8 @@ def run_all():
 
 
 def run_program():
-    """Runs `map` on maps of growing size and notes wall and processor seconds, best of three, and the largest memory."""
+    """Runs `map` on maps of growing size and notes wall and processor seconds, the best, and the largest memory. Maps that are
+    not run this time keep their rows."""
     maps = [("maps/office", ROOT / "maps/office/map.yaml")]
     if folder := os.environ.get("PLACEGRAPH_DATA"):
         maps.append(("fr79", Path(folder) / "eval/fr79_slam/map.yaml"))
@@ -111,6 +112,8 @@ def run_program():
         rows.append(dict(name=name, cells=width * height, free=free, wall=best[0], cpu=best[1], peak=peak,
                          stages=stages))
         print(rows[-1], flush=True)
+    names = [row["name"] for row in rows]
+    rows += [row for row in Measured().program if row["name"] not in names]
     (TARGET / "program.json").write_text(json.dumps(dict(maps=rows, start=start_up())))
 
 
@@ -124,20 +127,21 @@ def start_up():
 
 
 def tiled(width):
-    """The map of benches/maps as a file: rooms of 90 x 70 cells with doors."""
+    """The map of benches/maps as a file: rooms of 90 x 70 cells with doors. Row by row: the memory of this process at the
+    start of the program would count as the program's."""
     height = width * 3 // 4
     file = TARGET / f"tiled-{width}.pgm"
-    rows = []
-    for y in range(height):
-        row = bytearray(b"\xfe") * width
-        for x in range(width):
-            column, line = x % 90, y % 70
-            door = column == 0 and 20 <= line < 38 or line == 0 and 40 <= column < 58
-            border = x in (0, width - 1) or y in (0, height - 1)
-            if border or (x * 7919 + y * 104729) % 997 == 0 or (column == 0 or line == 0) and not door:
-                row[x] = 0
-        rows.append(bytes(row))
-    file.write_bytes(b"P5\n%d %d\n255\n" % (width, height) + b"".join(reversed(rows)))
+    with file.open("wb") as out:
+        out.write(b"P5\n%d %d\n255\n" % (width, height))
+        for y in reversed(range(height)):
+            row = bytearray(b"\xfe") * width
+            for x in range(width):
+                column, line = x % 90, y % 70
+                door = column == 0 and 20 <= line < 38 or line == 0 and 40 <= column < 58
+                border = x in (0, width - 1) or y in (0, height - 1)
+                if border or (x * 7919 + y * 104729) % 997 == 0 or (column == 0 or line == 0) and not door:
+                    row[x] = 0
+            out.write(row)
     yaml = file.with_suffix(".yaml")
     yaml.write_text(f"image: {file.name}\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\n"
                     "occupied_thresh: 0.65\nfree_thresh: 0.196\n")
@@ -159,6 +163,10 @@ def stages_of(out):
 
 def cell(value, form, unit=""):
     return "not measured" if value is None else form.format(value) + unit
+
+
+def brief(seconds):
+    return f"{seconds:.2f} s" if seconds >= 0.1 else f"{seconds * 1e3:.0f} ms"
 
 
 def per_cell(row):
@@ -202,8 +210,8 @@ def targets(m):
         stages = row["stages"]
         labels = sum(stages.get(name, 0) for name in ["classify", "smooth", "correct"])
         add(f"`map`, {row['name']}: {row['free'] / 1e3:.0f} k free cells", target,
-            f"{row['wall']:.2f} s wall (labels {labels / 1e3:.2f}), {row['cpu']:.2f} s processor",
-            ", ".join(f"{name} {ms / 1e3:.2f} s" for name, ms in stages.items()), "")
+            f"{brief(row['wall'])} wall (labels {brief(labels / 1e3)}), {brief(row['cpu'])} processor",
+            ", ".join(f"{name} {brief(ms / 1e3)}" for name, ms in stages.items()), "")
     relaxation(m, add)
     boosting(m, add)
     expansion(m, add)
@@ -272,11 +280,16 @@ def components(m, add):
 def stage_table(m):
     names = sorted({f for g, f, _ in m.rows if g == "stages"})
     sizes = [size for size, *_ in m.series("stages", "regions")]
-    lines = ["| stage, one thread where it has no more | " + " | ".join(f"{size / 1e3:.0f} k cells" for size in sizes) + " |",
-             "|---|" + "---|" * len(sizes)]
-    for name in names:
+    lines = ["| stage, all threads where it has them | " + " | ".join(f"{size / 1e3:.0f} k cells" for size in sizes)
+             + " | of one pass over memory | beside it, the largest map |", "|---|" + "---|" * (len(sizes) + 2)]
+    for name in (name for name in names if ", " not in name):
         rows = [m.get("stages", name, size) for size in sizes]
-        lines.append(f"| {name} | " + " | ".join(cell(row and row[0] / row[1] * 1e9, "{:.1f}", " ns a cell") for row in rows) + " |")
+        largest = rows[-1] if rows else None
+        twins = [(twin.split(", ", 1)[1], m.get("stages", twin, sizes[-1])) for twin in names if twin.startswith(name + ", ")]
+        beside = [f"{ratio(row[0], largest[0]):.1f} x as long: {twin}" for twin, row in twins if row and largest]
+        share = m.memory() and largest and 100 * largest[1] * 8 / m.memory() / largest[0]
+        lines.append(f"| {name} | " + " | ".join(cell(row and row[0] / row[1] * 1e9, "{:.1f}", " ns a cell") for row in rows)
+                     + f" | {cell(share, '{:.2g}', ' %')} | {'<br>'.join(beside)} |")
     return lines
 
 

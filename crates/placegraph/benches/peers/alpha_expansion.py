@@ -109,8 +109,10 @@ def main():
                     binary = reward * (1 - np.eye(3))
                     start = time.process_time()
                     own = maxflow.aexpansion_grid(-theta, binary, labels=theta.argmax(axis=2))
-                    print(f"  aexpansion_grid: score {score(theta, reward, own, 4):.0f}  "
-                          f"{time.process_time() - start:.3f} s", end="")
+                    seconds = time.process_time() - start
+                    record(f"alpha-expansion, {name}", f"PyMaxflow {maxflow.__version__}, its aexpansion_grid", side * side,
+                           seconds)
+                    print(f"  aexpansion_grid: score {score(theta, reward, own, 4):.0f}  {seconds:.3f} s", end="")
                 print(flush=True)
 
 

@@ -52,18 +52,13 @@ impl Sums {
     fn mean_and_sd(self, value: impl Fn(usize) -> Singles) -> (Singles, Singles) {
         let (mean, square) = (self.values * (1.0 / N_BEAMS as f32), self.squares * (1.0 / N_BEAMS as f32));
         let variance = square - mean * mean;
-        let is_small =
-            variance.zip(square, |variance, square| if variance < square * VARIANCE_MIN { 1.0 } else { 0.0 });
+        let is_small = variance.zip(square, |variance, square| u32::from(variance < square * VARIANCE_MIN));
         let sd = variance.max(ZERO).sqrt();
-        if is_small.largest() == 0.0 {
+        if !is_small.is_any() {
             return (mean, sd);
         }
         let (exact_mean, exact_sd) = mean_and_sd(N_BEAMS, value);
-        let chosen = |exact: Singles, quick: Singles| {
-            let difference = exact.zip(is_small, |exact, small| if small > 0.0 { exact } else { 0.0 });
-            difference + quick.zip(is_small, |quick, small| if small > 0.0 { 0.0 } else { quick })
-        };
-        (chosen(exact_mean, mean), chosen(exact_sd, sd))
+        (is_small.choose(exact_mean, mean), is_small.choose(exact_sd, sd))
     }
 }
 

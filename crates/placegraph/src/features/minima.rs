@@ -107,7 +107,7 @@ fn deepest_minima(d: &Ranges, found: &mut Found) {
             let range = range.zip(sign, |range, sign| f32::from_bits(range.to_bits() ^ sign));
             let turns = range.zip(limit, |range, limit| if range <= limit { DOWN } else { 0 });
             let rises = turns.zip(sign, |turns, sign| turns & sign);
-            let minimum = chosen(rises, -extreme, Lanes::all(f32::INFINITY));
+            let minimum = rises.choose(-extreme, Lanes::all(f32::INFINITY));
             let is_new =
                 minimum.zip(next, |minimum, next| u32::from(minimum <= next && minimum < f32::INFINITY));
             next = next.min(deepest.max(minimum));
@@ -117,28 +117,18 @@ fn deepest_minima(d: &Ranges, found: &mut Found) {
                 let (minimum, first, last) = (minimum, first, last);
                 found.add(&minimum, &starts, &first.0, &last.0, &is_new);
             }
-            limit = chosen(turns, -range - prominence, limit.max(range - prominence));
+            limit = turns.choose(-range - prominence, limit.max(range - prominence));
             sign = sign.zip(turns, |sign, turns| sign ^ turns);
             let further = range.zip(extreme, |range, extreme| if range > extreme { DOWN } else { 0 });
             let further = further.zip(turns, |further, turns| further | turns);
-            let range = chosen(turns, -range, range);
-            extreme = chosen(further, range, extreme);
+            let range = turns.choose(-range, range);
+            extreme = further.choose(range, extreme);
             let step = Lanes::all(step as u32);
-            first = chosen(further, step, first);
+            first = further.choose(step, first);
             let is_last = range.zip(extreme, |range, extreme| if range >= extreme { DOWN } else { 0 });
-            last = chosen(is_last, step, last);
+            last = is_last.choose(step, last);
         }
     }
-}
-
-/// `yes` where `which` is not 0, else `no`.
-#[inline(always)]
-fn chosen<T: Copy + Default>(which: Lanes<u32>, yes: Lanes<T>, no: Lanes<T>) -> Lanes<T> {
-    let mut chosen = no;
-    for lane in 0..WIDTH {
-        chosen.0[lane] = if which.0[lane] == 0 { no.0[lane] } else { yes.0[lane] };
-    }
-    chosen
 }
 
 /// The longest range of every scan, and the first beam that has it.

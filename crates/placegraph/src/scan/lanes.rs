@@ -116,6 +116,16 @@ impl Lanes<u32> {
     pub(crate) fn is_any(self) -> bool {
         self.0.iter().fold(0, |any, value| any | value) != 0
     }
+
+    /// `yes` where the value is not 0, else `no`.
+    #[inline(always)]
+    pub(crate) fn choose<T: Copy>(self, yes: Lanes<T>, no: Lanes<T>) -> Lanes<T> {
+        let mut chosen = no;
+        for lane in 0..WIDTH {
+            chosen.0[lane] = if self.0[lane] == 0 { no.0[lane] } else { yes.0[lane] };
+        }
+        chosen
+    }
 }
 
 impl Doubles {
