@@ -9,7 +9,7 @@ use super::cast::range_m;
 use super::lanes::{Singles, WIDTH, ZERO};
 use super::obstacles::Obstacles;
 use super::path::{N_OCTANT, Octant, octant_path};
-use super::walk::{LANES, MAX_STEPS, Path, Steps, count_steps, place};
+use super::walk::{LANES, MAX_STEPS, Path, Steps, count_steps, slot};
 use super::{Block, Instructions, N_BEAMS, ScanConfig};
 use crate::grid::OccupancyGrid;
 
@@ -35,14 +35,14 @@ pub struct BlockRanges {
     groups: Vec<Ranges>,
     n_cells: usize,
     /// Where [`Steps`] has every cell's count; the last one again until the last group is full.
-    places: Vec<[u16; WIDTH]>,
+    slots: Vec<u16>,
 }
 
 impl BlockRanges {
     /// Room for the ranges of any block.
     #[expect(clippy::new_without_default, reason = "a buffer of 0.7 MB is made on purpose")]
     pub fn new() -> Self {
-        Self { groups: vec![[ZERO; N_BEAMS + 1]; LANES / WIDTH], n_cells: 0, places: Vec::new() }
+        Self { groups: vec![[ZERO; N_BEAMS + 1]; LANES / WIDTH], n_cells: 0, slots: Vec::new() }
     }
 
     /// Number of cells of the block.
@@ -62,22 +62,16 @@ impl BlockRanges {
     /// All ranges; beyond the last cell its ranges are repeated.
     #[inline(always)]
     pub(crate) fn groups(&self) -> &[Ranges] {
-        &self.groups[..self.places.len()]
+        &self.groups[..self.slots.len() / WIDTH]
     }
 
     /// Takes the cells of `block` in place of the last one's.
     fn take(&mut self, block: &Block) {
         self.n_cells = block.n_cells();
-        self.places.clear();
-        let mut places = block.lanes().map(place);
-        while let Some(first) = places.next() {
-            let mut last = first;
-            self.places.push(std::array::from_fn(|lane| {
-                if lane > 0 {
-                    last = places.next().unwrap_or(last);
-                }
-                last
-            }));
+        self.slots.clear();
+        self.slots.extend(block.lanes().map(slot));
+        if let Some(&last) = self.slots.last() {
+            self.slots.resize(self.n_cells.next_multiple_of(WIDTH), last);
         }
     }
 }
@@ -133,27 +127,27 @@ impl RayCaster {
         for (beam, path) in self.paths.iter().enumerate() {
             let steps = count_steps(&self.obstacles, position, &wanted, path);
             let table = self.ranges_m[Octant::of(beam).beam].as_slice();
-            let groups = ranges.groups.iter_mut().zip(&ranges.places);
+            let groups = ranges.groups.iter_mut().zip(ranges.slots.as_chunks::<WIDTH>().0);
             match (&steps, table.first_chunk::<SHORT>()) {
                 (Steps { low, high: None }, Some(table)) => {
-                    for (group, places) in groups {
-                        for (range, &place) in group[beam].0.iter_mut().zip(places) {
-                            *range = table[usize::from(low[usize::from(place) % LANES])];
+                    for (group, slots) in groups {
+                        for (range, &slot) in group[beam].0.iter_mut().zip(slots) {
+                            *range = table[usize::from(low[usize::from(slot) % LANES])];
                         }
                     }
                 }
                 (Steps { low, high }, _) => {
                     let high = high.unwrap_or([0; LANES]);
-                    for (group, places) in groups {
-                        for (range, &place) in group[beam].0.iter_mut().zip(places) {
-                            let place = usize::from(place) % LANES;
-                            *range = table[usize::from(u16::from_le_bytes([low[place], high[place]]))];
+                    for (group, slots) in groups {
+                        for (range, &slot) in group[beam].0.iter_mut().zip(slots) {
+                            let slot = usize::from(slot) % LANES;
+                            *range = table[usize::from(u16::from_le_bytes([low[slot], high[slot]]))];
                         }
                     }
                 }
             }
         }
-        for group in &mut ranges.groups[..ranges.places.len()] {
+        for group in &mut ranges.groups[..ranges.slots.len() / WIDTH] {
             group[N_BEAMS] = group[0];
         }
     }

@@ -20,7 +20,7 @@ pub(super) struct Path {
     pub(super) beside: Vec<[Offset; 2]>,
 }
 
-/// Step counts of the cells of a block, in the order of [`place`]: their lower bytes, and the upper ones where a beam takes
+/// Step counts of the cells of a block, in the order of [`slot`]: their lower bytes, and the upper ones where a beam takes
 /// more than 255 steps, which few do.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Steps {
@@ -29,7 +29,7 @@ pub(super) struct Steps {
 }
 
 /// Where [`Steps`] has the count of the cell with this number, row-major in the block.
-pub(super) fn place(lane: u16) -> u16 {
+pub(super) fn slot(lane: u16) -> u16 {
     let (row, column) = (lane / WORD as u16, lane % WORD as u16);
     (column / 8 * ROWS as u16 + row) * 8 + column % 8
 }
@@ -142,7 +142,7 @@ fn numbers(planes: &[Plane; PLANES]) -> Steps {
     Steps { low: bytes(low), high: if is_long { Some(bytes(high)) } else { None } }
 }
 
-/// Eight bit planes as bytes, in the order of [`place`]: byte l of word b of a row is the number in bit 8 b + l of the
+/// Eight bit planes as bytes, in the order of [`slot`]: byte l of word b of a row is the number in bit 8 b + l of the
 /// planes.
 #[inline(always)]
 fn bytes(planes: &[Plane]) -> [u8; LANES] {
@@ -191,7 +191,7 @@ mod tests {
             let steps = numbers(&planes);
             assert_eq!(steps.high.is_some(), bits == 16);
             for (lane, number) in expected.into_iter().enumerate() {
-                let at = usize::from(place(lane as u16));
+                let at = usize::from(slot(lane as u16));
                 let high = steps.high.map_or(0, |high| high[at]);
                 assert_eq!(u16::from_le_bytes([steps.low[at], high]), number);
             }
