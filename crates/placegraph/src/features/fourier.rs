@@ -255,10 +255,8 @@ fn cos_sin(x: Singles) -> [Singles; 2] {
     let rounded = x.map(|x| x * 4.0 + ROUND);
     let angle = x.zip(rounded, |x, rounded| (x - (rounded - ROUND) * 0.25) * std::f32::consts::TAU);
     let square = angle * angle;
-    let polynomial = |coefficients: [f32; 3]| {
-        let [a, b, c] = coefficients.map(Lanes::all);
-        (a * square + b) * square + c
-    };
+    // Not by `map` over the three: the compiler may call it, and then the lanes go through memory.
+    let polynomial = |[a, b, c]: [f32; 3]| (square * a + Lanes::all(b)) * square + Lanes::all(c);
     // Minimax polynomials on ±π/4.
     let sin = polynomial([-1.951_529_6e-4, 8.332_161e-3, -1.666_665_5e-1]) * square * angle + angle;
     let cos = polynomial([2.443_315_7e-5, -1.388_731_6e-3, 4.166_664_6e-2]) * square * square;
