@@ -14,7 +14,7 @@
 use super::families::{MAX_HARMONIC, Measure as M};
 use super::polygon::{Directions, Outline};
 use super::values::Values;
-use crate::scan::lanes::{Doubles, Lanes, Singles, TINY, ZERO, beams};
+use crate::scan::lanes::{Doubles, Lanes, Singles, TINY, WIDTH, ZERO, beams};
 use crate::scan::{N_BEAMS, Ranges};
 
 /// Largest b.
@@ -65,16 +65,17 @@ fn position_of(k: usize) -> (usize, isize) {
     (row_of(k), (k + B) as isize % ROW as isize - B as isize)
 }
 
-/// B6 of `harmonics`, and B7 to B9.
+/// B6 of `harmonics`, and B7 to B9. A register of the machine holds `lanes` cells.
 #[inline(always)]
 pub(super) fn fourier(
     d: &Ranges,
     directions: &Directions,
     outline: &Outline<'_>,
     harmonics: &Harmonics,
+    lanes: usize,
     values: &mut Values,
 ) {
-    let sums = row_sums(d, directions, outline, &harmonics.rows);
+    let sums = row_sums(d, directions, outline, &harmonics.rows, lanes);
     let (first, before) = sums[0].at(1);
     let scale = outline.perimeter * (1.0 / (4.0 * std::f32::consts::PI * std::f32::consts::PI));
     let (c1, c_1) = (first * scale, before * scale);
@@ -113,28 +114,29 @@ impl Row {
         (length(re_cos + im_sin, im_cos - re_sin), length(re_cos - im_sin, im_cos + re_sin))
     }
 
-    /// Adds vertices with weights `z`, and turns the weights into those of the next row, if there is one.
+    /// Adds vertices with weights `z`, and turns the weights into those of the next row, if there is one. A register of the
+    /// machine holds `lanes` cells.
     #[inline(always)]
     fn add(
         &mut self,
         z: &mut [[Singles; 2]; CHUNK],
         powers: &[Powers; CHUNK],
-        step: &[[Singles; 2]; CHUNK],
+        turn: Option<&[[Singles; 2]; CHUNK]>,
         needed: [bool; B + 1],
-        is_last: bool,
+        lanes: usize,
     ) {
-        let n_needed = needed[1..].iter().filter(|&&needed| needed).count();
-        if n_needed > 3 {
+        let is_most = needed[1..].iter().filter(|&&needed| needed).count() > 3;
+        if is_most && lanes == WIDTH {
             // All sums at once: each vertex is fetched once.
             let mut sums = *self;
             for i in beams(CHUNK, 1) {
-                let (z, powers, step) = (&mut z[i], &powers[i], &step[i]);
+                let (z, powers) = (&mut z[i], &powers[i]);
                 add_to(&mut sums.constant, z);
                 for (sums, power) in sums.products.iter_mut().zip(powers) {
                     add_products(sums, z, power);
                 }
-                if !is_last {
-                    *z = product(*z, *step);
+                if let Some(turn) = turn {
+                    *z = product(*z, turn[i]);
                 }
             }
             *self = sums;
@@ -147,16 +149,58 @@ impl Row {
             }
             self.constant = sums;
         }
-        for b in (0..B).filter(|&b| needed[b + 1]) {
-            let mut sums = self.products[b];
-            for i in beams(CHUNK, 1) {
-                add_products(&mut sums, &z[i], &powers[i][b]);
+        if is_most && lanes == 8 {
+            self.add_products::<8, 0, 2>(z, powers);
+            self.add_products::<8, 2, 3>(z, powers);
+        } else if is_most {
+            self.add_products::<4, 0, 2>(z, powers);
+            self.add_products::<4, 2, 3>(z, powers);
+        } else {
+            for b in (0..B).filter(|&b| needed[b + 1]) {
+                let mut sums = self.products[b];
+                for i in beams(CHUNK, 1) {
+                    add_products(&mut sums, &z[i], &powers[i][b]);
+                }
+                self.products[b] = sums;
             }
-            self.products[b] = sums;
         }
-        if !is_last {
+        if let Some(turn) = turn {
             for i in beams(CHUNK, 1) {
-                z[i] = product(z[i], step[i]);
+                z[i] = product(z[i], turn[i]);
+            }
+        }
+    }
+
+    /// Adds the products for the `N` numbers b from `FIRST` + 1 on, of `L` cells at a time: as many sums as registers hold.
+    #[inline(always)]
+    fn add_products<const L: usize, const FIRST: usize, const N: usize>(
+        &mut self,
+        z: &[[Singles; 2]; CHUNK],
+        powers: &[Powers; CHUNK],
+    ) {
+        for part in beams(WIDTH / L, 1) {
+            let mut sums = [[[0.0; L]; 4]; N];
+            for (sums, whole) in sums.iter_mut().zip(&self.products[FIRST..]) {
+                for (sum, whole) in sums.iter_mut().zip(whole) {
+                    *sum = whole.part(part);
+                }
+            }
+            for i in beams(CHUNK, 1) {
+                let [re, im]: [[f32; L]; 2] = [z[i][0].part(part), z[i][1].part(part)];
+                for (sums, [cos, sin]) in sums.iter_mut().zip(&powers[i][FIRST..]) {
+                    let [cos, sin]: [[f32; L]; 2] = [cos.part(part), sin.part(part)];
+                    for lane in 0..L {
+                        sums[0][lane] += re[lane] * cos[lane];
+                        sums[1][lane] += im[lane] * cos[lane];
+                        sums[2][lane] += re[lane] * sin[lane];
+                        sums[3][lane] += im[lane] * sin[lane];
+                    }
+                }
+            }
+            for (sums, whole) in sums.iter().zip(&mut self.products[FIRST..]) {
+                for (sum, whole) in sums.iter().zip(whole) {
+                    *whole.part_mut(part) = *sum;
+                }
             }
         }
     }
@@ -182,6 +226,7 @@ fn row_sums(
     directions: &Directions,
     outline: &Outline<'_>,
     needed: &[[bool; B + 1]],
+    lanes: usize,
 ) -> [Row; N_ROWS] {
     let mut sums = [Row::ZERO; N_ROWS];
     let mut arc: Doubles = Lanes::all(0.0);
@@ -220,7 +265,8 @@ fn row_sums(
             u_before = u;
         }
         for (row, &of_row) in needed.iter().enumerate() {
-            sums[row].add(&mut z, &powers, &row_step, of_row, row + 1 == needed.len());
+            let turn = (row + 1 < needed.len()).then_some(&row_step);
+            sums[row].add(&mut z, &powers, turn, of_row, lanes);
         }
     }
     sums

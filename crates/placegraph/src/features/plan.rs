@@ -120,14 +120,15 @@ impl Plan {
         buffers: &mut Buffers,
         values: &mut Values,
     ) {
+        let lanes = instructions.lanes();
         instructions.run(
             #[inline(always)]
-            || self.measure_inlined(d, buffers, values),
+            || self.measure_inlined(d, lanes, buffers, values),
         );
     }
 
     #[inline(always)]
-    fn measure_inlined(&self, d: &Ranges, buffers: &mut Buffers, values: &mut Values) {
+    fn measure_inlined(&self, d: &Ranges, lanes: usize, buffers: &mut Buffers, values: &mut Values) {
         let Buffers { edges, radii, found } = buffers;
         let is_polygon = self.groups.iter().any(|group| group.is_polygon());
         let outline = if is_polygon { Some(Outline::new(d, edges)) } else { None };
@@ -146,7 +147,7 @@ impl Plan {
                     moments(d, &self.along, outline, values);
                 }
                 (Group::Fourier, Some(outline)) => {
-                    fourier(d, &self.directions, outline, &self.harmonics, values);
+                    fourier(d, &self.directions, outline, &self.harmonics, lanes, values);
                 }
                 (Group::Areas | Group::Radii | Group::Moments | Group::Fourier, None) => {}
             }

@@ -44,6 +44,18 @@ impl Instructions {
         self.arch().dispatch(work)
     }
 
+    /// How many numbers of single precision a register holds. There are 32 registers where these are 16, else 16 or more.
+    pub(crate) fn lanes(self) -> usize {
+        match self.arch() {
+            pulp::Arch::Scalar => 4,
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            pulp::Arch::V3(_) => 8,
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            pulp::Arch::V4(_) => 16,
+            _ => 4,
+        }
+    }
+
     #[inline(always)]
     fn arch(self) -> pulp::Arch {
         match self {

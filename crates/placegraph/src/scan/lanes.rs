@@ -29,6 +29,18 @@ impl<T: Copy> Lanes<T> {
         Self([value; WIDTH])
     }
 
+    /// Part number `part` of `L` values.
+    #[inline(always)]
+    pub(crate) fn part<const L: usize>(&self, part: usize) -> [T; L] {
+        self.0.as_chunks::<L>().0[part]
+    }
+
+    /// The same, to be changed.
+    #[inline(always)]
+    pub(crate) fn part_mut<const L: usize>(&mut self, part: usize) -> &mut [T; L] {
+        &mut self.0.as_chunks_mut::<L>().0[part]
+    }
+
     #[inline(always)]
     pub(crate) fn map<U: Copy + Default>(self, f: impl Fn(T) -> U) -> Lanes<U> {
         let mut out = [U::default(); WIDTH];
