@@ -6,8 +6,9 @@
 //! (Boykov, Veksler and Zabih, PAMI 2001), in practice within a thousandth of the best. Cost: a handful of cuts
 //! per label.
 //!
-//! Deviation: the chapter names linear programming and graph cuts; only the cuts are here. Potentials are rounded to
-//! 2⁻²⁴ of the largest edge reward, so that cuts are exact and moves cannot cycle.
+//! Deviation: the chapter names linear programming and graph cuts; only the cuts are here. Potentials are rounded to a power
+//! of two, 2⁻²³ of the largest edge reward or less, so that cuts are exact and moves cannot cycle. Whole numbers stay whole,
+//! and what is equally good stays so.
 
 use rayon::prelude::*;
 
@@ -94,7 +95,7 @@ pub fn expand(graph: &CellGraph, potentials: &Potentials, start: &[Label]) -> La
 }
 
 /// [`expand`] over the 8-neighborhood in little memory, 38 bytes per cell of the map of `graph`: with equal rewards `edge`, above 0,
-/// potentials rounded to 2⁻¹⁴ of them, and potentials that are not stored: `row` appends those of a node, one per label.
+/// potentials rounded to 2⁻¹³ of them or less, and potentials that are not stored: `row` appends those of a node, one per label.
 pub(crate) struct SmallExpansion<'a, R>(Expansion<'a, 8, u16, R>);
 
 impl<'a, R: Fn(usize, &mut Vec<f64>)> SmallExpansion<'a, R> {
@@ -151,6 +152,12 @@ const fn steps_of_largest_reward<C>() -> i32 {
     if size_of::<C>() == 2 { 1 << 14 } else { 1 << 24 }
 }
 
+/// The largest power of two that is not above `value`, which is above 0.
+fn power_of_two_below(value: f64) -> f64 {
+    let mantissa = (1 << (f64::MANTISSA_DIGITS - 1)) - 1;
+    f64::from_bits(value.to_bits() & !mantissa)
+}
+
 /// Label of the cells that are no nodes.
 const NONE: u8 = u8::MAX;
 /// Label of a cell that keeps the second of two labels.
@@ -176,8 +183,8 @@ impl<'a, const D: usize, C: Capacity, R: Fn(usize, &mut Vec<f64>)> Expansion<'a,
         for (cell, label) in graph.cells_in_rows(0..graph.height()).zip(start) {
             labels[cut.position(cell)] = label.0;
         }
-        let steps_per_unit =
-            f64::from(steps_of_largest_reward::<C>()) / edge.iter().fold(0.0, |a: f64, &b| a.max(b));
+        let largest = edge.iter().fold(0.0, |a: f64, &b| a.max(b));
+        let steps_per_unit = power_of_two_below(f64::from(steps_of_largest_reward::<C>()) / largest);
         let half_reward: Vec<i32> =
             edge.iter().map(|lambda| (lambda / 2.0 * steps_per_unit).round() as i32).collect();
         Self { graph, n_labels: edge.len(), row, steps_per_unit, half_reward, labels, cut }
@@ -303,6 +310,12 @@ mod tests {
         // Two edges against a loss of 1.
         assert_eq!(labeling(0.4), [0, 1, 0].map(Label));
         assert_eq!(labeling(0.6), [0, 0, 0].map(Label));
+    }
+
+    #[test]
+    fn steps_are_powers_of_two() {
+        let found = [1.0, 1.5, 4.0, 419_430.4, 0.3].map(power_of_two_below);
+        assert!(found.iter().zip([1.0, 1.0, 4.0, 262_144.0, 0.25]).all(|(a, b)| a.total_cmp(&b).is_eq()));
     }
 
     #[test]
