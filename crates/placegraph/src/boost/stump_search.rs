@@ -73,7 +73,8 @@ pub(super) struct Group<'a> {
 /// For each class of a group the stump with the largest |r|; ties go to the first column, then to the lowest threshold.
 /// `None` where no stump has another r than 0.
 pub(super) fn best_stumps(examples: &SortedExamples<'_>, group: &Group<'_>) -> Vec<Option<BestStump>> {
-    let weights = signed_weights(examples, group);
+    let signed = signed_weights(examples, group);
+    let weights = side_by_side(examples.n_examples(), &signed);
     let n_columns = examples.table().columns().len();
     let first_columns: Vec<usize> = (0..n_columns).step_by(COLUMNS).collect();
     let of_columns = |&first: &usize| {
@@ -84,7 +85,8 @@ pub(super) fn best_stumps(examples: &SortedExamples<'_>, group: &Group<'_>) -> V
         )
     };
     let columns: Vec<ColumnSums> = first_columns.par_iter().flat_map_iter(of_columns).collect();
-    let search = Search { examples, group, columns };
+    drop(weights);
+    let search = Search { examples, signed, columns };
     let of_columns = search.largest_of_columns();
     let best = |lane: usize| {
         let largest = of_columns.iter().map(|r| r[lane]).max().filter(|&r| r > 0)?;
@@ -95,28 +97,30 @@ pub(super) fn best_stumps(examples: &SortedExamples<'_>, group: &Group<'_>) -> V
     (0..group.weights.len()).map(best).collect()
 }
 
-impl Group<'_> {
-    /// D(n) y(n) of `example` for the class in `lane`; 0 if that is done.
-    #[inline(always)]
-    fn signed(&self, examples: &SortedExamples<'_>, lane: usize, example: usize) -> i64 {
-        let Some(weights) = self.weights[lane] else { return 0 };
-        let positive = examples.of_class()[self.first_class + lane].contains(&example);
-        let units = to_units(weights[example]);
-        if positive { units } else { -units }
-    }
+/// D(n) y(n) of all examples for each class of a group, in units of 2⁻⁶⁰; nothing for a class that is done.
+fn signed_weights(examples: &SortedExamples<'_>, group: &Group<'_>) -> Vec<Vec<i64>> {
+    let of_class = |(lane, weights): (usize, Option<&[f64]>)| {
+        let positive = &examples.of_class()[group.first_class + lane];
+        let signed = |(example, &weight): (usize, &f64)| {
+            let units = to_units(weight);
+            if positive.contains(&example) { units } else { -units }
+        };
+        weights.unwrap_or_default().par_iter().enumerate().map(signed).collect()
+    };
+    group.weights.iter().copied().enumerate().map(of_class).collect()
 }
 
-/// D(n) y(n) of the classes of a group side by side.
-fn signed_weights(examples: &SortedExamples<'_>, group: &Group<'_>) -> Vec<SignedWeights> {
-    let mut signed = vec![SignedWeights::default(); examples.n_examples()];
-    signed.par_chunks_mut(EXAMPLES).enumerate().for_each(|(chunk, signed)| {
-        for lane in 0..group.weights.len() {
-            for (i, signed) in signed.iter_mut().enumerate() {
-                signed.0[lane] = group.signed(examples, lane, chunk * EXAMPLES + i);
+/// The numbers of up to four classes side by side.
+fn side_by_side(n_examples: usize, signed: &[Vec<i64>]) -> Vec<SignedWeights> {
+    let mut weights = vec![SignedWeights::default(); n_examples];
+    weights.par_chunks_mut(EXAMPLES).enumerate().for_each(|(chunk, weights)| {
+        for (lane, signed) in signed.iter().enumerate().filter(|(_, signed)| !signed.is_empty()) {
+            for (weights, &signed) in weights.iter_mut().zip(&signed[chunk * EXAMPLES..]) {
+                weights.0[lane] = signed;
             }
         }
     });
-    signed
+    weights
 }
 
 /// Sums over the examples of one bin.
@@ -223,7 +227,8 @@ impl SignedWeights {
 /// The second step of the search.
 struct Search<'a> {
     examples: &'a SortedExamples<'a>,
-    group: &'a Group<'a>,
+    /// As of [`signed_weights`].
+    signed: Vec<Vec<i64>>,
     columns: Vec<ColumnSums>,
 }
 
@@ -256,7 +261,7 @@ impl Search<'_> {
         let mut found = [0; LANES];
         let mut before = SignedWeights::default();
         for (sums, places) in bins.iter().zip(self.examples.bins(column)) {
-            for lane in 0..self.group.weights.len() {
+            for lane in 0..self.signed.len() {
                 let bound = sums.largest_r_inside(lane, before.0[lane], total[lane]);
                 if bound > 0 && bound >= largest[lane].load(Relaxed) {
                     self.thresholds_inside(column, lane, places, before.0[lane], |_, part| {
@@ -307,12 +312,13 @@ impl Search<'_> {
         before: i64,
         mut visit: impl FnMut(usize, i64),
     ) {
+        let signed = self.signed[lane].as_slice();
         let mut part = before;
         for (place, &marked) in places.clone().zip(&self.examples.order(column)[places.clone()]) {
             if marked & NEW_VALUE != 0 && place > places.start {
                 visit(place, part);
             }
-            part += self.group.signed(self.examples, lane, (marked & !NEW_VALUE) as usize);
+            part += signed[(marked & !NEW_VALUE) as usize];
         }
     }
 }
