@@ -93,8 +93,8 @@ fn stages(criterion: &mut Criterion) {
             let config = DoorwayConfig::default();
             drop(doorways::mark(&graph, RESOLUTION_M, &field, &labeling, &set, &config));
         });
-        bench("doorways, imageproc's distance transform alone", &|| {
-            std::hint::black_box(twins::clearance(&image));
+        bench("doorways, saddles alone by flooding (imageproc, petgraph)", &|| {
+            std::hint::black_box(twins::flooded(&image));
         });
         let settle = |config| drop(spaces::settle(&graph, RESOLUTION_M, &field, &labeling, &set, &config));
         bench("spaces", &|| settle(SpaceConfig::default()));
@@ -110,8 +110,22 @@ fn stages(criterion: &mut Criterion) {
             std::hint::black_box(twins::contours(&image, 3));
         });
         bench("labels.png", &|| drop(export::label_png(&graph, &labeling)));
-        bench("labels.png, every filter tried", &|| drop(twins::filtered_png(&image)));
+        bench("labels.png, zlib's usual effort", &|| drop(twins::deflated_png(&image)));
         bench("overview.png", &|| drop(export::overview_png(&grid, &labeling, &set, &topology, "office")));
+        // As many pixels a cell as the overview has.
+        let px_per_cell = (2000 / width).clamp(1, 8);
+        let view = export::View {
+            frame: grid.frame,
+            left_cells: 0.0,
+            top_cells: f64::from(grid.cells.height()),
+            px_per_cell: f64::from(px_per_cell),
+            offset_px: [0.0; 2],
+            text_px: 12.0,
+        };
+        let overlay = export::overlay_svg(&topology, &set, &view);
+        bench("overview.png, all of it as SVG", &|| {
+            drop(twins::drawn_as_svg(&image, &set, &overlay, px_per_cell));
+        });
         group.finish();
     }
 }

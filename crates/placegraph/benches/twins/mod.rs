@@ -1,14 +1,19 @@
 //! Plain twins of stages and yardsticks from other crates, for `stages.rs`.
 
 use std::collections::HashMap;
+use std::fmt::Write as _;
 
 use image::GrayImage;
 use imageproc::contours::find_contours;
 use imageproc::distance_transform::euclidean_squared_distance_transform;
 use petgraph::algo::dijkstra;
 use petgraph::graph::{NodeIndex, UnGraph};
+use petgraph::unionfind::UnionFind;
 use placegraph::grid::{Cell, CellGraph, Connectivity, Grid, Occupancy};
+use placegraph::labels::LabelSet;
 use placegraph::regions::RegionMap;
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg;
 
 /// The number of every free cell, as one would keep it at first.
 pub(crate) fn numbered(cells: &Grid<Occupancy>) -> HashMap<Cell, usize> {
@@ -37,14 +42,6 @@ pub(crate) fn statistics(graph: &CellGraph, regions: &RegionMap) -> Vec<[f64; 6]
         *yy += dy * dy / *n;
     }
     found
-}
-
-/// The squared clearance of all cells, by `imageproc`: what doorways are looked for on.
-pub(crate) fn clearance(labels: &GrayImage) -> f64 {
-    let walls = GrayImage::from_fn(labels.width(), labels.height(), |x, y| {
-        image::Luma([u8::from(labels.get_pixel(x, y).0[0] == 0)])
-    });
-    euclidean_squared_distance_transform(&walls).iter().sum()
 }
 
 /// The contours of the cells of every class, by `imageproc`.
@@ -77,13 +74,74 @@ pub(crate) fn shortest_ways(cells: &UnGraph<(), f32>) -> usize {
     dijkstra(cells, NodeIndex::new(0), None, |edge| *edge.weight()).len()
 }
 
-/// A gray PNG as encoders write it unless told otherwise: with the best filter of every row.
-pub(crate) fn filtered_png(labels: &GrayImage) -> Vec<u8> {
+/// A gray PNG with zlib's usual effort instead of one pass.
+pub(crate) fn deflated_png(labels: &GrayImage) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, labels.width(), labels.height());
     encoder.set_color(png::ColorType::Grayscale);
-    encoder.set_filter(png::Filter::Adaptive);
+    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_filter(png::Filter::NoFilter);
     let written = encoder.write_header().and_then(|mut writer| writer.write_image_data(labels.as_raw()));
     assert!(written.is_ok());
     file
+}
+
+/// The overview with everything in it as SVG, a rectangle for every run of cells that look alike, drawn in one piece.
+pub(crate) fn drawn_as_svg(labels: &GrayImage, set: &LabelSet, overlay: &str, px_per_cell: u32) -> Vec<u8> {
+    let (width, height) = (labels.width() * px_per_cell, labels.height() * px_per_cell);
+    let mut svg = format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}">"#);
+    for (y, row) in (0..).step_by(px_per_cell as usize).zip(labels.rows()) {
+        let values: Vec<u8> = row.map(|pixel| pixel.0[0]).collect();
+        let mut x = 0;
+        for run in values.chunk_by(|a, b| a == b) {
+            let run_px = run.len() * px_per_cell as usize;
+            let [red, green, blue] = match run[0] {
+                0 => [52, 58, 70],
+                label => set.classes()[usize::from(label) - 1].color,
+            };
+            // Writing to a string cannot fail.
+            let _ = write!(
+                svg,
+                r#"<rect x="{x}" y="{y}" width="{run_px}" height="{px_per_cell}" fill="rgb({red},{green},{blue})"/>"#
+            );
+            x += run_px;
+        }
+    }
+    svg += overlay;
+    svg += "</svg>";
+    let tree = usvg::Tree::from_str(&svg, &usvg::Options::default());
+    let picture = tree.ok().zip(Pixmap::new(width, height)).map(|(tree, mut pixmap)| {
+        resvg::render(&tree, Transform::identity(), &mut pixmap.as_mut());
+        pixmap.encode_png()
+    });
+    let Some(Ok(file)) = picture else { unreachable!("the SVG is written here") };
+    file
+}
+
+/// Where spaces meet: cells from the widest down, in sets that grow together, as `petgraph` keeps them. Of the doorways'
+/// work, this is how saddles are looked for at first.
+pub(crate) fn flooded(labels: &GrayImage) -> usize {
+    let walls = GrayImage::from_fn(labels.width(), labels.height(), |x, y| {
+        image::Luma([u8::from(labels.get_pixel(x, y).0[0] == 0)])
+    });
+    let clearance = euclidean_squared_distance_transform(&walls);
+    let width = labels.width() as usize;
+    let squared = clearance.as_raw();
+    let mut order: Vec<usize> = (0..squared.len()).filter(|&pixel| squared[pixel] > 0.0).collect();
+    order.sort_by(|&a, &b| squared[b].total_cmp(&squared[a]));
+    let mut sets = UnionFind::<usize>::new(squared.len());
+    let mut is_flooded = vec![false; squared.len()];
+    let mut n_saddles = 0;
+    for pixel in order {
+        is_flooded[pixel] = true;
+        let mut n_joined = 0;
+        for beside in [width + 1, width, width - 1, 1] {
+            for other in [pixel.checked_sub(beside), pixel.checked_add(beside)].into_iter().flatten() {
+                let is_joined = is_flooded.get(other) == Some(&true) && sets.union(pixel, other);
+                n_joined += usize::from(is_joined);
+            }
+        }
+        n_saddles += usize::from(n_joined > 1);
+    }
+    n_saddles
 }

@@ -1,5 +1,7 @@
 //! The map as pixels: free cells in the color of their class, walls dark, unknown cells light.
 
+use std::ops::Range;
+
 use crate::grid::{Cell, Occupancy, OccupancyGrid};
 use crate::labels::{Label, LabelSet};
 
@@ -91,76 +93,114 @@ pub(super) fn mixed(color: [u8; 3], other: [u8; 3], share: f64) -> [u8; 3] {
     std::array::from_fn(|i| (color[i] as f64 * (1.0 - share) + other[i] as f64 * share).round() as u8)
 }
 
-/// Where a picture of the map goes: rows of `stride_px` RGBA pixels from the top, the map at `offset`.
+/// What is painted of a map.
+pub(super) struct Painting<'a> {
+    grid: &'a OccupancyGrid,
+    /// Of the free cells, in row-major order.
+    labeling: &'a [Label],
+    /// Where the labels of every row of cells begin.
+    first_label: Vec<usize>,
+    /// The color of every label.
+    colors: Vec<[u8; 3]>,
+    crop: Crop,
+}
+
+/// Rows of a page, as RGBA pixels from the top.
 pub(super) struct Canvas<'a> {
     pub(super) rgba: &'a mut [u8],
     pub(super) stride_px: usize,
+    /// Which rows of the page these are.
+    pub(super) rows: Range<usize>,
+    /// Where on the page the map's upper left corner is.
     pub(super) offset: (usize, usize),
 }
 
-/// Paints the cells of `crop`; `labeling` has the labels of the free cells in row-major order.
-pub(super) fn paint(
-    grid: &OccupancyGrid,
-    labeling: &[Label],
-    label_set: &LabelSet,
-    crop: &Crop,
-    canvas: Canvas<'_>,
-) {
-    let colors: Vec<[u8; 3]> = label_set.classes().iter().map(|class| pastel(class.color)).collect();
-    let mut labels = labeling.iter();
-    let cells = grid.cells.cells().zip(grid.cells.values()).filter_map(|(cell, occupancy)| match occupancy {
-        Occupancy::Free => labels.next().map(|label| (cell, colors[label.index()], 1)),
-        Occupancy::Occupied => Some((cell, WALL, WALL_WEIGHT)),
-        Occupancy::Unknown => None,
-    });
-    if crop.px_per_cell < 1.0 {
-        paint_reduced(cells, crop, canvas);
-    } else {
-        paint_enlarged(cells, crop, canvas);
+impl Canvas<'_> {
+    /// The pixels of a row of the map and what follows, if that row is here.
+    fn row(&mut self, y: usize) -> Option<&mut [u8]> {
+        let row = y + self.offset.1;
+        let start = 4 * ((row.checked_sub(self.rows.start)?) * self.stride_px + self.offset.0);
+        self.rows.contains(&row).then(|| &mut self.rgba[start..])
     }
 }
 
-/// A square of pixels per cell.
-fn paint_enlarged(cells: impl Iterator<Item = (Cell, [u8; 3], u32)>, crop: &Crop, canvas: Canvas<'_>) {
-    let Canvas { rgba, stride_px, offset } = canvas;
-    let side = crop.px_per_cell as usize;
-    for (cell, [red, green, blue], _) in cells {
-        let (x, y) = crop.pixel(cell);
-        for row in y..y + side {
-            let start = 4 * ((row + offset.1) * stride_px + x + offset.0);
-            for pixel in rgba[start..start + 4 * side].chunks_exact_mut(4) {
-                pixel.copy_from_slice(&[red, green, blue, 255]);
+impl<'a> Painting<'a> {
+    pub(super) fn new(
+        grid: &'a OccupancyGrid,
+        labeling: &'a [Label],
+        label_set: &LabelSet,
+        crop: Crop,
+    ) -> Self {
+        let mut n_free = 0;
+        let first_label = (0..grid.cells.height()).map(|y| {
+            let first = n_free;
+            n_free += grid.cells.row(y).iter().filter(|&&value| value == Occupancy::Free).count();
+            first
+        });
+        let colors = label_set.classes().iter().map(|class| pastel(class.color)).collect();
+        Self { grid, labeling, first_label: first_label.collect(), colors, crop }
+    }
+
+    /// Paints what `canvas` shows of the map.
+    pub(super) fn paint(&self, mut canvas: Canvas<'_>) {
+        if self.crop.px_per_cell < 1.0 {
+            self.paint_reduced(&mut canvas);
+        } else {
+            self.paint_enlarged(&mut canvas);
+        }
+    }
+
+    /// The known cells of a row with their colors and weights.
+    fn row(&self, y: u32) -> impl Iterator<Item = (Cell, [u8; 3], u32)> {
+        let mut labels = self.labeling[self.first_label[y as usize]..].iter();
+        (0..).zip(self.grid.cells.row(y)).filter_map(move |(x, occupancy)| match occupancy {
+            Occupancy::Free => labels.next().map(|label| (Cell::new(x, y), self.colors[label.index()], 1)),
+            Occupancy::Occupied => Some((Cell::new(x, y), WALL, WALL_WEIGHT)),
+            Occupancy::Unknown => None,
+        })
+    }
+
+    /// Rows of cells, each with its first row of pixels.
+    fn rows(&self) -> impl Iterator<Item = (u32, usize)> {
+        let Crop { left, bottom, height, .. } = self.crop;
+        (bottom..bottom + height).map(move |y| (y, self.crop.pixel(Cell::new(left, y)).1))
+    }
+
+    /// A square of pixels per cell.
+    fn paint_enlarged(&self, canvas: &mut Canvas<'_>) {
+        let side = self.crop.px_per_cell as usize;
+        for (row, first) in self.rows() {
+            for y in first..first + side {
+                let Some(pixels) = canvas.row(y) else { continue };
+                for (cell, [red, green, blue], _) in self.row(row) {
+                    let start = 4 * self.crop.pixel(cell).0;
+                    for pixel in pixels[start..start + 4 * side].chunks_exact_mut(4) {
+                        pixel.copy_from_slice(&[red, green, blue, 255]);
+                    }
+                }
             }
         }
     }
-}
 
-/// The weighted mean color of the cells that share a pixel.
-fn paint_reduced(cells: impl Iterator<Item = (Cell, [u8; 3], u32)>, crop: &Crop, canvas: Canvas<'_>) {
-    let Canvas { rgba, stride_px, offset } = canvas;
-    // A row of pixels at a time: rows of cells follow each other.
-    let mut sums: Vec<[u32; 4]> = vec![[0; 4]; crop.width_px() as usize];
-    let mut paint_row = |y: usize, sums: &mut [[u32; 4]]| {
-        let start = 4 * ((y + offset.1) * stride_px + offset.0);
-        let pixels = rgba[start..].chunks_exact_mut(4).zip(sums).filter(|(_, sum)| sum[3] > 0);
-        for (pixel, sum) in pixels {
-            let [red, green, blue, n] = std::mem::take(sum);
-            pixel.copy_from_slice(&[(red / n) as u8, (green / n) as u8, (blue / n) as u8, 255]);
+    /// The weighted mean color of the cells that share a pixel.
+    fn paint_reduced(&self, canvas: &mut Canvas<'_>) {
+        // A row of pixels at a time: the rows of its cells follow each other.
+        let mut sums: Vec<[u32; 4]> = vec![[0; 4]; self.crop.width_px() as usize];
+        let rows: Vec<(u32, usize)> = self.rows().collect();
+        for rows in rows.chunk_by(|a, b| a.1 == b.1) {
+            let Some(pixels) = canvas.row(rows[0].1) else { continue };
+            for (cell, color, weight) in rows.iter().flat_map(|&(row, _)| self.row(row)) {
+                let sum = &mut sums[self.crop.pixel(cell).0];
+                for (channel, value) in sum.iter_mut().zip(color) {
+                    *channel += weight * value as u32;
+                }
+                sum[3] += weight;
+            }
+            for (pixel, sum) in pixels.chunks_exact_mut(4).zip(&mut sums).filter(|(_, sum)| sum[3] > 0) {
+                let [red, green, blue, n] = std::mem::take(sum);
+                pixel.copy_from_slice(&[(red / n) as u8, (green / n) as u8, (blue / n) as u8, 255]);
+            }
         }
-    };
-    let mut row = None;
-    for (cell, color, weight) in cells {
-        let (x, y) = crop.pixel(cell);
-        if let Some(painted) = row.replace(y).filter(|&painted| painted != y) {
-            paint_row(painted, &mut sums);
-        }
-        for (channel, value) in sums[x].iter_mut().zip(color) {
-            *channel += weight * value as u32;
-        }
-        sums[x][3] += weight;
-    }
-    if let Some(painted) = row {
-        paint_row(painted, &mut sums);
     }
 }
 
@@ -205,8 +245,8 @@ mod tests {
         let grid = OccupancyGrid { frame: OccupancyGrid::from_ascii(0.05, ".").frame, cells };
         let crop = Crop::of_known(&grid);
         let mut rgba = vec![0; 4096 * 4];
-        let canvas = Canvas { rgba: &mut rgba, stride_px: 4096, offset: (0, 0) };
-        paint(&grid, &[Label(0); 8191], &LabelSet::default(), &crop, canvas);
+        let canvas = Canvas { rgba: &mut rgba, stride_px: 4096, rows: 0..1, offset: (0, 0) };
+        Painting::new(&grid, &[Label(0); 8191], &LabelSet::default(), crop).paint(canvas);
         let free = pastel(LabelSet::default().classes()[0].color);
         assert_eq!(rgba[..3], free);
         assert_eq!(rgba[8] as u32, (4 * WALL[0] as u32 + free[0] as u32) / 5);

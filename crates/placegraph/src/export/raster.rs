@@ -96,7 +96,7 @@ fn image_rows<T: Copy + Default>(graph: &CellGraph, value: impl Fn(usize) -> T) 
 #[expect(clippy::expect_used, reason = "the buffer has the size stated, and memory cannot refuse a write")]
 fn png(graph: &CellGraph, bytes: &[u8], color: ExtendedColorType) -> Vec<u8> {
     let mut file = Vec::new();
-    PngEncoder::new_with_quality(&mut file, CompressionType::Default, FilterType::NoFilter)
+    PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Adaptive)
         .write_image(bytes, graph.width(), graph.height(), color)
         .expect("a PNG in memory");
     file

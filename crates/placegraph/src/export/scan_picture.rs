@@ -2,9 +2,9 @@
 
 use std::fmt::Write;
 
-use resvg::tiny_skia::Pixmap;
+use resvg::tiny_skia::Transform;
 
-use super::overview::{draw, encode};
+use super::overview::{blank, encode, parse};
 use crate::geom::Point2;
 use crate::grid::{Cell, Occupancy, OccupancyGrid};
 use crate::scan::{N_BEAMS, RangeScan};
@@ -48,11 +48,9 @@ pub fn scan_png(grid: &OccupancyGrid, cell: Cell, scan: &RangeScan) -> Vec<u8> {
     let (width, height) = window.size_px();
     let svg =
         format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}">{svg}</svg>"#);
-    #[expect(clippy::expect_used, reason = "the sides are above 0 and bounded")]
-    let mut pixmap = Pixmap::new(width, height).expect("a picture of a bounded size");
-    pixmap.fill(resvg::tiny_skia::Color::WHITE);
-    draw(&svg, &mut pixmap);
-    encode(&pixmap)
+    let mut pixmap = blank(width, height);
+    resvg::render(&parse(&svg), Transform::identity(), &mut pixmap.as_mut());
+    encode(width, height, std::iter::once(pixmap))
 }
 
 /// The part of the map in the picture, in cells.
