@@ -48,7 +48,7 @@ pub(crate) struct Setup<'a> {
 pub(crate) struct Labeled {
     /// Everything but the pictures.
     pub(crate) document: TopologyDocument,
-    /// All results.
+    /// All results; of the smoothed field, only what the files need.
     pub(crate) analysis: Analysis,
     /// How long each stage took.
     pub(crate) timings: Vec<(Stage, Duration)>,
@@ -102,7 +102,11 @@ impl<'a> Setup<'a> {
             anyhow::bail!("expected an earlier result in the frame {:?}, found {found:?}", info.frame_id);
         }
         let findings = check(map).findings;
-        let analysis = pipeline::analyze(&map.grid, &self.model.model, &self.config, watch);
+        let mut analysis = pipeline::analyze(&map.grid, &self.model.model, &self.config, watch);
+        if !self.needs_probabilities() {
+            // Beside pictures, the largest block of all.
+            analysis.smoothed = LabelField::from_rows(n_labels, Vec::new());
+        }
         let timings = watch.finish();
         let label_set = &self.model.model.label_set;
         let mut document =
@@ -116,6 +120,11 @@ impl<'a> Setup<'a> {
             document.timings_ms = timings.iter().map(in_ms).collect();
         }
         Ok(Labeled { document, analysis, timings, left_out: Vec::new() })
+    }
+
+    /// Whether a file of the result tells more of a cell than its label.
+    fn needs_probabilities(&self) -> bool {
+        self.args.stages || self.args.probabilities || self.formats.contains(&Format::Report)
     }
 
     fn unapplied_edits(&self, analysis: &Analysis) -> Vec<String> {

@@ -246,13 +246,15 @@ fn every_dispatch_path_gives_the_same_bits() {
         let values = Instructions::ALL.map(|instructions| {
             let (grid, cells, progress) = (&map, graph.cells(), &Silent);
             let job = Job { grid, cells, columns: &columns, config: &config, progress, instructions };
-            evaluate(&job, columns.len(), |values, out: &mut [u32]| {
+            let mut bits = vec![0; graph.n_nodes() * columns.len()];
+            evaluate(&job, &mut bits, |values, out: &mut [u32]| {
                 for column in 0..columns.len() {
                     for (cell, value) in values.column(column).iter().enumerate() {
                         out[cell * columns.len() + column] = value.to_bits();
                     }
                 }
-            })
+            });
+            bits
         });
         assert!(values.iter().all(|bits| *bits == values[0]));
     }

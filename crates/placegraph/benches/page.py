@@ -182,6 +182,11 @@ def of_limit(m, kind, seconds_per_cell, pairs):
     return None if rate is None or seconds_per_cell is None else 100 * pairs * N_BEAMS / rate / (seconds_per_cell * 1e-6)
 
 
+def bits_share(m, kind):
+    row, rate = m.get("rays", f"operations, {kind}"), m.rate("bits", kind)
+    return row and rate and 100 * row[1] / row[0] / rate
+
+
 def targets(m):
     lines = ["| stage | target | measured | yardstick of the same run | of the limit |", "|---|---|---|---|---|"]
 
@@ -193,7 +198,7 @@ def targets(m):
         own = per_cell(m.get("rays", kind))
         add(f"rays, exact, {name}", "0.5 G rays/s and core" if kind == "Widest" else "",
             cell(own and 1e-3 / own, "{:.2f}", " G rays/s"),
-            cell(ratio(plain_rays, own), "{:.0f}", " x the scalar traversal"), "no simple one: see above")
+            cell(ratio(plain_rays, own), "{:.0f}", " x the scalar traversal"), cell(bits_share(m, kind), "{:.0f}", " % of operations on bits"))
     plain = per_cell(m.get("203 features", "plain formulas"))
     for group, pairs in [("203 features", PAIRS_PER_BEAM), ("all features", PAIRS_PER_BEAM), ("default model", None)]:
         for kind, name in KINDS.items():
@@ -204,6 +209,7 @@ def targets(m):
                 cell(own, "{:.2f}", " µs a cell"), cell(ratio(twin, own), "{:.0f}", " x the plain formulas"),
                 cell(of_limit(m, kind, own, pairs) if pairs else None, "{:.0f}", " %") if pairs else "")
     add("start-up (`placegraph --version`)", "10 ms", cell(m.start and m.start * 1e3, "{:.1f}", " ms"), "", "")
+    features = per_cell(m.get("default model", "Widest"))
     for row in m.program:
         target = {"fr79": "0.5 s wall", "tiled, 120 x 90": "0.05 s wall", "tiled, 1160 x 870": "labels 2 s, all outputs 3 s wall"}
         target = target.get(row["name"], "")
@@ -211,7 +217,8 @@ def targets(m):
         labels = sum(stages.get(name, 0) for name in ["classify", "smooth", "correct"])
         add(f"`map`, {row['name']}: {row['free'] / 1e3:.0f} k free cells", target,
             f"{brief(row['wall'])} wall (labels {brief(labels / 1e3)}), {brief(row['cpu'])} processor",
-            ", ".join(f"{name} {brief(ms / 1e3)}" for name, ms in stages.items()), "")
+            ", ".join(f"{name} {brief(ms / 1e3)}" for name, ms in stages.items()),
+            cell(features and 100 * features * 1e-6 * row["free"] / row["cpu"], "{:.0f}", " % scans and features, at the pace above"))
     relaxation(m, add)
     boosting(m, add)
     expansion(m, add)
@@ -243,8 +250,10 @@ def boosting(m, add):
     own = m.rows.get(("boost", name, None))
     peers = [f"{seconds / own[0]:.1f} x as long: {peer}" for (stage, peer, _), seconds in m.peers.items()
              if own and stage == "boosting"]
+    memory = m.memory("all threads")
     add("boosting, 65 k x 203, 101 rounds, 3 classes", "2 x LightGBM with stumps", cell(own and own[0], "{:.2f}", " s"),
-        "<br>".join(peers) or "not run", "")
+        "<br>".join(peers) or "not run",
+        cell(own and memory and 100 * 101 * 203 * 65e3 / memory / own[0], "{:.1f}", " % of a byte a value and round from memory"))
 
 
 def expansion(m, add):
@@ -253,7 +262,8 @@ def expansion(m, add):
             peers = [f"{other / seconds:.1f} x as long: {peer}" for (stage, peer, n), other in m.peers.items()
                      if (stage, n) == (f"alpha-expansion, {name}", size)]
             add(f"alpha-expansion, {size / 1e3:.0f} k nodes, {name}", "faster, energy not higher", f"{seconds:.3f} s",
-                "<br>".join(peers) or "not run", "")
+                "<br>".join(peers) or "not run",
+                cell(m.memory() and 100 * size * 8 / m.memory() / seconds, "{:.2f}", " % of one pass over memory"))
 
 
 def components(m, add):
@@ -326,10 +336,11 @@ def main():
     pictures(m)
     rates = [f"{name} {m.rate('multiply and add', kind) * 1e-9:.0f} G" for kind, name in KINDS.items()
              if m.rate("multiply and add", kind)]
+    bits = [f"{m.rate('bits', kind) * 1e-9:.0f} G" for kind in KINDS if m.rate("bits", kind)]
     memory = m.memory()
     part = [f"Measured on {time.strftime('%d %B %Y')}, {os.cpu_count()} cores of a shared {cpu_name()}; the best of all samples.",
             f"While this page was made, {os.getloadavg()[2]:.0f} processes at a time wanted these cores (a mean of 15 minutes).",
-            f"Limits of one core in the same run: {', '.join(rates)} single-precision multiplications with an addition a second"
+            f"Limits of one core in the same run: {', '.join(rates)} single-precision multiplications with an addition a second; {', '.join(bits)} operations on words of 64 bits"
             + (f"; {memory * 1e-9:.1f} GB/s from and to memory on one thread, {m.memory('all threads') * 1e-9:.1f} on all."
                if memory else "."), "", *targets(m), "",
             "![Cost by size](images/cost-by-size.svg)", "", "![Time by stage](images/time-by-stage.svg)", "", *stage_table(m)]

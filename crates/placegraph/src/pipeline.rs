@@ -88,30 +88,15 @@ pub fn memory_bytes(n_cells: u64, n_free: u64, n_labels: usize) -> u64 {
 /// Same map and model, same bits, on any number of threads. Cost: linear in the free cells.
 pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &dyn Progress) -> Analysis {
     let graph = CellGraph::new(&map.cells);
-    let Labeled { mut classified, mut smoothed, mut labeling } = model.label(map, &graph, progress);
+    let labeled = model.label(map, &graph, progress);
 
     progress.begin(Stage::Correct);
-    let by_scan = classified.most_likely();
+    let by_scan = labeled.classified.most_likely();
     let resolution_m = map.frame.resolution_m();
-    if config.doorways == Doorways::Mark {
-        let (label_set, config) = (&model.label_set, DoorwayConfig::default());
-        labeling = doorways::mark(&graph, resolution_m, &smoothed, &labeling, label_set, &config);
-        let config = SpaceConfig::default();
-        let settle = |evidence| spaces::settle(&graph, resolution_m, evidence, &labeling, label_set, &config);
-        match &model.method {
-            Method::Boosted(boosted) if graph.n_nodes() > MAX_KEPT => {
-                drop(smoothed);
-                labeling = settle(&classified);
-                relax_in_place(&graph, &mut classified, &boosted.compatibility, &boosted.relaxation);
-                smoothed = classified;
-            }
-            Method::Boosted(_) => labeling = settle(&classified),
-            // A network learns its node scores together with its edges; alone they say little.
-            Method::Iamn(_) => labeling = settle(&smoothed),
-        }
-    } else {
-        drop(classified);
-    }
+    let (smoothed, labeling) = match config.doorways {
+        Doorways::Mark => mark_doorways(&graph, resolution_m, model, labeled),
+        Doorways::Skip => (labeled.smoothed, labeled.labeling),
+    };
     let corrected = regions_of(&graph, resolution_m, labeling, model, config.correction);
     let Edited { regions, names, outcomes } =
         edits::apply(&map.frame, &graph, &model.label_set, corrected, &config.edits);
@@ -141,6 +126,35 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
         place_ids,
         edit_outcomes: outcomes,
         changes,
+    }
+}
+
+/// What [`Doorways::Mark`] makes of `labeled`: the smoothed field as it was, and the labels between and in doorways.
+fn mark_doorways(
+    graph: &CellGraph,
+    resolution_m: f64,
+    model: &Model,
+    labeled: Labeled,
+) -> (LabelField, Labeling) {
+    let Labeled { mut classified, smoothed, labeling } = labeled;
+    let label_set = &model.label_set;
+    let labeling =
+        doorways::mark(graph, resolution_m, &smoothed, &labeling, label_set, &DoorwayConfig::default());
+    let config = SpaceConfig::default();
+    let settle = |evidence| spaces::settle(graph, resolution_m, evidence, &labeling, label_set, &config);
+    match &model.method {
+        Method::Boosted(boosted) if graph.n_nodes() > MAX_KEPT => {
+            drop(smoothed);
+            let settled = settle(&classified);
+            relax_in_place(graph, &mut classified, &boosted.compatibility, &boosted.relaxation);
+            (classified, settled)
+        }
+        Method::Boosted(_) => (smoothed, settle(&classified)),
+        // A network learns its node scores together with its edges; alone they say little.
+        Method::Iamn(_) => {
+            let settled = settle(&smoothed);
+            (smoothed, settled)
+        }
     }
 }
 

@@ -8,27 +8,13 @@
 
 mod labeled_halves;
 
-use placegraph::boost::{CompiledClassifiers, cell_scores};
 use placegraph::grid::CellGraph;
-use placegraph::labels::{LabelSet, Labeling};
-use placegraph::model::{Method, Model};
+use placegraph::labels::LabelSet;
 use placegraph::pipeline::{Config, analyze};
 use placegraph::progress::Silent;
-use placegraph::relax::relax;
 use placegraph::training::{LabeledMap, TrainConfig, Trained, train};
 
 use labeled_halves::{evaluate, labeled_map};
-
-/// Labels of all cells of a map, by the classifier alone and after the relaxation.
-fn label(model: &Model, map: &LabeledMap) -> (CellGraph, Labeling, Labeling) {
-    let Method::Boosted(boosted) = &model.method else { panic!("a boosted model") };
-    let graph = CellGraph::new(&map.grid.cells);
-    let classifiers = CompiledClassifiers::new(&boosted.list.classifiers);
-    let scores = cell_scores(&map.grid, graph.cells(), &classifiers, &model.scan, &Silent);
-    let field = boosted.list.classify(&scores);
-    let relaxed = relax(&graph, &field, &boosted.compatibility, &boosted.relaxation);
-    (graph, field.most_likely(), relaxed.field.most_likely())
-}
 
 fn report(trained: &Trained) {
     let Some(validation) = &trained.report.validation else { return };
@@ -56,9 +42,11 @@ fn report(trained: &Trained) {
 fn experiment(maps: &[LabeledMap], test: &LabeledMap, split: u32, config: &TrainConfig) -> (f64, f64) {
     let trained = train(maps, &LabelSet::default(), config, &Silent).unwrap();
     report(&trained);
-    let (graph, classified, relaxed) = label(&trained.model, test);
+    let graph = CellGraph::new(&test.grid.cells);
+    let labeled = trained.model.label(&test.grid, &graph, &Silent);
+    let classified = labeled.classified.most_likely();
     let accuracy = evaluate(test, graph.cells(), &classified, split, "classified").0;
-    evaluate(test, graph.cells(), &relaxed, split, "relaxed");
+    evaluate(test, graph.cells(), &labeled.labeling, split, "relaxed");
     let analysis = analyze(&test.grid, &trained.model, &Config::default(), &Silent);
     let corrected = evaluate(test, graph.cells(), &analysis.labeling, split, "corrected").0;
     (accuracy, corrected)

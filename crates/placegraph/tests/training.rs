@@ -2,7 +2,6 @@
 #![allow(clippy::unwrap_used, reason = "helpers of tests")]
 
 use placegraph::amn::IamnConfig;
-use placegraph::boost::{CompiledClassifiers, cell_scores};
 use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, OccupancyGrid};
 use placegraph::labels::{Label, LabelSet};
@@ -84,9 +83,7 @@ fn a_building_is_learned_and_the_report_says_how() {
     });
     assert_eq!(boosted.list.order, best.unwrap().order);
     let graph = CellGraph::new(&map.grid.cells);
-    let classifiers = CompiledClassifiers::new(&boosted.list.classifiers);
-    let scores = cell_scores(&map.grid, graph.cells(), &classifiers, &trained.model.scan, &Silent);
-    let found = boosted.list.classify(&scores).most_likely();
+    let found = trained.model.label(&map.grid, &graph, &Silent).classified.most_likely();
     let wrong = graph.cells().iter().zip(&found).filter(|(cell, label)| map.labels[**cell] != Some(**label));
     let share = wrong.count() as f64 / graph.n_nodes() as f64;
     assert!((share - report.training_error).abs() < 1e-12);

@@ -8,8 +8,11 @@ use rayon::prelude::*;
 
 use super::scores::{CompiledClassifiers, Scores};
 use super::stump::{StrongClassifier, confidence};
-use crate::features::FeatureId;
+use crate::features::{FeatureId, Job, evaluate};
+use crate::grid::{Cell, OccupancyGrid};
 use crate::labels::{Label, LabelField, LabelSet};
+use crate::progress::Progress;
+use crate::scan::{Instructions, ScanConfig};
 
 /// No class gets a smaller probability than this (before its row is scaled to sum 1).
 pub const P_FLOOR: f64 = 1e-6;
@@ -64,17 +67,44 @@ impl DecisionList {
     pub fn classify(&self, scores: &Scores) -> LabelField {
         let n_labels = self.order.len();
         assert_eq!(scores.n_classes(), n_labels, "a score per class");
-        let mut values = vec![0.0; scores.values().len()];
-        let blocks =
-            values.par_chunks_mut(BLOCK * n_labels).zip(scores.values().par_chunks(BLOCK * n_labels));
-        blocks.for_each(|(field, scores)| {
-            for (row, scores) in field.chunks_exact_mut(n_labels).zip(scores.chunks_exact(n_labels)) {
-                for (value, p) in row.iter_mut().zip(self.probabilities(scores)) {
-                    *value = p as f32;
-                }
-            }
-        });
+        let mut values = scores.values().to_vec();
+        values.par_chunks_mut(BLOCK * n_labels).for_each(|rows| self.to_distributions(rows));
         LabelField::from_rows(n_labels, values)
+    }
+
+    /// Writes the distribution over the classes for `cells`, free cells of the map in row-major order: K numbers of `field`
+    /// for each. Scans are cast, measured and forgotten block by block.
+    ///
+    /// Cost: that of the features in use, and a comparison and an addition for every cell and stump.
+    ///
+    /// # Panics
+    /// If `field` has not K numbers for each cell, or the cells are not in row-major order or lie outside the map.
+    pub fn classify_cells(
+        &self,
+        grid: &OccupancyGrid,
+        cells: &[Cell],
+        config: &ScanConfig,
+        progress: &dyn Progress,
+        field: &mut [f32],
+    ) {
+        assert_eq!(field.len(), cells.len() * self.order.len(), "a number per cell and class");
+        let classifiers = CompiledClassifiers::new(&self.classifiers);
+        let instructions = Instructions::default();
+        let job = Job { grid, cells, columns: classifiers.columns(), config, progress, instructions };
+        evaluate(&job, field, |block, rows| {
+            classifiers.score_rows(|column| block.column(column), rows);
+            self.to_distributions(rows);
+        });
+    }
+
+    /// Puts distributions in place of scores, K numbers an example.
+    fn to_distributions(&self, rows: &mut [f32]) {
+        for row in rows.chunks_exact_mut(self.order.len()) {
+            let p = self.probabilities(row);
+            for (value, p) in row.iter_mut().zip(p) {
+                *value = p as f32;
+            }
+        }
     }
 }
 

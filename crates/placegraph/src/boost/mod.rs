@@ -11,5 +11,5 @@ mod stump_search;
 pub use adaboost::{AdaBoostError, MIN_EDGE, PERFECT_EDGE, adaboost};
 pub use decision_list::{DecisionList, P_FLOOR};
 pub use order_search::{OrderScore, search_order};
-pub use scores::{CompiledClassifiers, Scores, cell_scores, table_scores};
+pub use scores::{CompiledClassifiers, Scores, table_scores};
 pub use stump::{DecisionStump, Polarity, StrongClassifier, WeightedStump, confidence};

@@ -5,15 +5,11 @@
 //! **Deviation**: votes and sums are `f32`, in the order of the stumps; a test bounds the difference from the sum in
 //! `f64` (`tests/boost_oracle.rs`).
 
-#![expect(clippy::inline_always, reason = "only what is inlined is compiled for several instruction sets")]
-
 use rayon::prelude::*;
 
 use super::stump::{Polarity, StrongClassifier};
-use crate::features::{FeatureId, FeatureTable, Job, evaluate};
-use crate::grid::{Cell, OccupancyGrid};
-use crate::progress::Progress;
-use crate::scan::{Instructions, ScanConfig};
+use crate::features::{FeatureId, FeatureTable};
+use crate::scan::Instructions;
 
 /// Examples that [`table_scores`] evaluates together: their columns stay in cache.
 const BLOCK: usize = 256;
@@ -61,25 +57,32 @@ impl CompiledClassifiers {
         self.cuts.len()
     }
 
-    /// Writes the scores of a block of examples: `scores[k · n + i]` is the score of example i by classifier k.
+    /// Writes the scores of a block of examples, example-major: `rows` has K for each.
     ///
     /// `column(c)` gives the values of [`CompiledClassifiers::columns`]`[c]`, one an example.
     ///
     /// # Panics
-    /// If a column is shorter than the block, or `scores` is no K columns.
-    #[inline(always)]
-    pub fn score_block<'a>(&self, n: usize, column: impl Fn(usize) -> &'a [f32], scores: &mut [f32]) {
-        assert_eq!(scores.len(), n * self.n_classes(), "a column of scores per classifier");
-        if n == 0 {
-            return;
-        }
-        for (cuts, scores) in self.cuts.iter().zip(scores.chunks_exact_mut(n)) {
-            scores.fill(0.0);
-            for &Cut { column: c, below, vote } in cuts {
-                // Fig. 4.2: F(x) = Σ α h(x).
-                for (score, &value) in scores.iter_mut().zip(&column(c as usize)[..n]) {
-                    *score += if value < below { vote } else { -vote };
-                }
+    /// If a column is shorter than the block, or `rows` has not K scores for each of its examples.
+    pub(super) fn score_rows<'a>(&self, column: impl Fn(usize) -> &'a [f32], rows: &mut [f32]) {
+        let n_classes = self.n_classes();
+        let n = rows.len() / n_classes;
+        assert_eq!(rows.len(), n * n_classes, "a score per example and class");
+        let mut of_class = vec![0.0; n];
+        for (class, cuts) in self.cuts.iter().enumerate() {
+            of_class.fill(0.0);
+            Instructions::default().run(
+                #[inline(always)]
+                || {
+                    for &Cut { column: c, below, vote } in cuts {
+                        // Fig. 4.2: F(x) = Σ α h(x).
+                        for (score, &value) in of_class.iter_mut().zip(&column(c as usize)[..n]) {
+                            *score += if value < below { vote } else { -vote };
+                        }
+                    }
+                },
+            );
+            for (row, &score) in rows.chunks_exact_mut(n_classes).zip(&of_class) {
+                row[class] = score;
             }
         }
     }
@@ -143,47 +146,7 @@ pub fn table_scores(table: &FeatureTable, rows: &[u32], classifiers: &CompiledCl
         let n = rows.len();
         let gathered: Vec<f32> =
             columns.iter().flat_map(|c| rows.iter().map(|&row| c[row as usize])).collect();
-        let mut scores = vec![0.0; values.len()];
-        Instructions::default().run(
-            #[inline(always)]
-            || classifiers.score_block(n, |column| &gathered[column * n..(column + 1) * n], &mut scores),
-        );
-        to_rows(&scores, n_classes, values);
+        classifiers.score_rows(|column| &gathered[column * n..(column + 1) * n], values);
     });
     Scores { n_classes, values }
-}
-
-/// The scores of `cells`, free cells of the map in row-major order: scans are cast, measured and forgotten block by
-/// block. Cost: that of the features in use, and of [`table_scores`].
-pub fn cell_scores(
-    grid: &OccupancyGrid,
-    cells: &[Cell],
-    classifiers: &CompiledClassifiers,
-    config: &ScanConfig,
-    progress: &dyn Progress,
-) -> Scores {
-    let (n_classes, columns) = (classifiers.n_classes(), classifiers.columns());
-    let job = Job { grid, cells, columns, config, progress, instructions: Instructions::default() };
-    let values = evaluate(
-        &job,
-        n_classes,
-        #[inline(always)]
-        |block, rows| {
-            let mut scores = vec![0.0; rows.len()];
-            classifiers.score_block(block.n_cells(), |column| block.column(column), &mut scores);
-            to_rows(&scores, n_classes, rows);
-        },
-    );
-    Scores { n_classes, values }
-}
-
-/// Writes a block's columns of scores, one a class, into the block's rows.
-#[inline(always)]
-fn to_rows(columns: &[f32], n_classes: usize, rows: &mut [f32]) {
-    let n = columns.len() / n_classes;
-    for (example, row) in rows.chunks_exact_mut(n_classes).enumerate() {
-        for (class, score) in row.iter_mut().enumerate() {
-            *score = columns[class * n + example];
-        }
-    }
 }

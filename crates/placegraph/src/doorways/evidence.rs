@@ -23,7 +23,7 @@ pub(super) struct Evidence<'a> {
 
 impl Evidence<'_> {
     /// Whether `gate`, found in `cleared`, is a doorway: by its form alone, or by its form and the labels.
-    pub(super) fn is_doorway(&self, cleared: &CellGraph, clearance: &[i64], gate: &Gate) -> bool {
+    pub(super) fn is_doorway(&self, cleared: &CellGraph, clearance: &[u32], gate: &Gate) -> bool {
         let cells = |meters: f64| meters / self.resolution_m;
         let config = self.config;
         let walks = Walks {

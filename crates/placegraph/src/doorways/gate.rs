@@ -33,7 +33,7 @@ impl Gate {
 /// that are equal in both stand together: which of them comes first says nothing.
 pub(super) fn candidates(
     graph: &CellGraph,
-    clearance: &[i64],
+    clearance: &[u32],
     resolution_m: f64,
     config: &DoorwayConfig,
 ) -> Vec<Gate> {
@@ -41,7 +41,7 @@ pub(super) fn candidates(
     let (narrowest, widest) = (cells_of(config.min_width_m), cells_of(config.max_width_m));
     // Clearance is measured between centers: a free width w has walls w / 2 + 1 / 2 away, and opposite walls are at most
     // twice the reach apart in which they are looked for.
-    let is_door_sized = |squared: i64| {
+    let is_door_sized = |squared: u32| {
         (squared as f64).sqrt() <= widest / 2.0 + 1.0 && 2.0 * reach_of(squared) >= narrowest + 1.0
     };
     let mut found: Vec<Gate> = saddles(graph, clearance, is_door_sized)
@@ -99,7 +99,7 @@ fn is_free(graph: &CellGraph, point: Point2) -> bool {
 
 /// How far from a node its two walls are looked for. Where they are equally near in truth, the centers of their cells differ
 /// by up to a diagonal.
-fn reach_of(squared_clearance: i64) -> f64 {
+fn reach_of(squared_clearance: u32) -> f64 {
     (squared_clearance as f64).sqrt() + 1.5
 }
 
@@ -112,7 +112,7 @@ fn is_opposite(a: (i32, i32), b: (i32, i32)) -> bool {
 
 /// The shortest lines through the neighborhood of `node` between two cells that are not free, about as near
 /// to it as the nearest, and more than 120 degrees apart as seen from it; of these the ones with their middle nearest to it.
-fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: i64) -> Vec<Gate> {
+fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: u32) -> Vec<Gate> {
     let here = center_of(graph.cell(node));
     let reach = reach_of(squared_clearance);
     let steps = reach.floor() as i32;

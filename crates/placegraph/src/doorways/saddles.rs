@@ -7,10 +7,15 @@ use rayon::prelude::*;
 
 use crate::grid::{Cell, CellGraph, Connectivity, NO_NODE, squared_clearances};
 
-/// Squared distance of every node to the nearest center of a cell that is not free, in cells.
-pub(super) fn squared_clearance(graph: &CellGraph) -> Vec<i64> {
+/// Squared distance of every node to the nearest center of a cell that is not free, in cells: less than 2^30, as a map of fewer
+/// than 2^32 cells is less than 2^16 wide or high.
+pub(super) fn squared_clearance(graph: &CellGraph) -> Vec<u32> {
     let mut clearance = Vec::with_capacity(graph.n_nodes());
-    squared_clearances(graph, |_, _| true, |_, run| clearance.extend_from_slice(run));
+    squared_clearances(
+        graph,
+        |_, _| true,
+        |_, run| clearance.extend(run.iter().map(|&squared| squared as u32)),
+    );
     clearance
 }
 
@@ -21,8 +26,8 @@ pub(super) fn squared_clearance(graph: &CellGraph) -> Vec<i64> {
 /// whichever way the map is turned.
 pub(super) fn saddles(
     graph: &CellGraph,
-    clearance: &[i64],
-    is_wanted: impl Fn(i64) -> bool + Sync,
+    clearance: &[u32],
+    is_wanted: impl Fn(u32) -> bool + Sync,
 ) -> Vec<usize> {
     // A level stretch belongs to the strip of rows that has its first node.
     let n_strips = (rayon::current_num_threads() as u32).min(graph.height());
@@ -36,8 +41,8 @@ pub(super) fn saddles(
 /// The saddles that have their first node in `rows`.
 fn saddles_from(
     graph: &CellGraph,
-    clearance: &[i64],
-    is_wanted: impl Fn(i64) -> bool,
+    clearance: &[u32],
+    is_wanted: impl Fn(u32) -> bool,
     rows: Range<u32>,
 ) -> Vec<usize> {
     let nodes = graph.nodes_in_rows(rows.clone());

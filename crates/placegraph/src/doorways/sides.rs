@@ -34,9 +34,9 @@ impl Walks {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Side {
     /// Largest squared clearance within the near walk.
-    pub(super) near_clearance: i64,
+    pub(super) near_clearance: u32,
     /// Largest squared clearance within the far walk.
-    pub(super) far_clearance: i64,
+    pub(super) far_clearance: u32,
     /// Cells within the far walk.
     pub(super) n_cells: usize,
     /// Nodes at the walk where labels are read.
@@ -45,7 +45,7 @@ pub(super) struct Side {
 
 /// The two sides of a gate, as far as they were flooded.
 pub(super) struct Sides<'a> {
-    clearance: &'a [i64],
+    clearance: &'a [u32],
     walks: &'a Walks,
     window: Window,
     floods: [Flood; 2],
@@ -67,7 +67,7 @@ const CLOSED: u32 = u32::MAX - 1;
 
 impl<'a> Sides<'a> {
     /// Cost: linear in the cells within reach.
-    pub(super) fn of(graph: &CellGraph, clearance: &'a [i64], gate: &Gate, walks: &'a Walks) -> Self {
+    pub(super) fn of(graph: &CellGraph, clearance: &'a [u32], gate: &Gate, walks: &'a Walks) -> Self {
         let reach = walks.near_reach().max(walks.half_bypass());
         let window = Window::around(graph, gate, reach);
         let floods = [1.0, -1.0].map(|direction| Flood::from(graph, gate, direction, &window));
@@ -158,7 +158,7 @@ impl Flood {
 }
 
 impl Side {
-    fn visit(&mut self, node: usize, clearance: i64, walked: f64, walks: &Walks) {
+    fn visit(&mut self, node: usize, clearance: u32, walked: f64, walks: &Walks) {
         if walked <= walks.near {
             self.near_clearance = self.near_clearance.max(clearance);
         }

@@ -22,7 +22,7 @@ const STEPS: f64 = (1u64 << 40) as f64;
 const MAX_TURN_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
 
 /// `gate` turned about its center into the direction of the walls around it, where they agree on one.
-pub(super) fn aligned(graph: &CellGraph, clearance: &[i64], resolution_m: f64, gate: Gate) -> Gate {
+pub(super) fn aligned(graph: &CellGraph, clearance: &[u32], resolution_m: f64, gate: Gate) -> Gate {
     let Some(walls) = direction(graph, clearance, &gate, RADIUS_M / resolution_m) else { return gate };
     // The turn to the nearest of the four directions at right angles, from the gate's own: in a map that is turned by
     // a quarter it is the same to the last bit.
@@ -45,7 +45,7 @@ fn fourth_power(v: Vec2) -> Vec2 {
 
 /// The direction of the walls within `radius` cells, as the mean of g⁴ over the unit gradients g of the clearance, as
 /// complex numbers. `None` if they do not agree.
-fn direction(graph: &CellGraph, clearance: &[i64], gate: &Gate, radius: f64) -> Option<Vec2> {
+fn direction(graph: &CellGraph, clearance: &[u32], gate: &Gate, radius: f64) -> Option<Vec2> {
     let height = |node: usize| (clearance[node] as f64).sqrt();
     let gradient = |cell: Cell| {
         let at = |step| graph.node_beside(cell, step).map(height);

@@ -126,22 +126,22 @@ fn scatter<T: Copy>(block: &Block, start: usize, per_cell: usize, values: &[T], 
     }
 }
 
-/// Measures all cells of the job and keeps `per_cell` numbers of each, which `evaluate` finds from the values
-/// of a block while they are in cache: `evaluate(values, out)` fills `out`, `per_cell` numbers for one cell
-/// after the other.
+/// Measures all cells of the job and keeps a few numbers of each, which `evaluate` finds from the values of a block while
+/// they are in cache: `evaluate(values, out)` fills `out`, as many numbers for one cell as for the other, one cell after the
+/// other.
 ///
-/// Returns the numbers of all cells in the order of `job.cells`. No table of features is ever stored.
-/// [`Instructions::run`] compiles the inner loop of `evaluate` for wide vector instructions.
+/// `numbers` takes those of all cells, in the order of `job.cells`. No table of features is ever stored.
 ///
 /// # Panics
-/// If the cells are not in row-major order or lie outside the map.
+/// If there are not as many numbers for every cell, or the cells are not in row-major order or lie outside the map.
 pub fn evaluate<T: Copy + Default + Send>(
     job: &Job<'_>,
-    per_cell: usize,
+    numbers: &mut [T],
     evaluate: impl Fn(&BlockValues, &mut [T]) + Sync,
-) -> Vec<T> {
-    let mut numbers = vec![T::default(); job.cells.len() * per_cell];
-    let mut rest = numbers.as_mut_slice();
+) {
+    let per_cell = numbers.len() / job.cells.len().max(1);
+    assert_eq!(numbers.len(), job.cells.len() * per_cell, "as many numbers for every cell");
+    let mut rest = numbers;
     let mut slots = Vec::new();
     for band in Block::bands(job.cells) {
         let (part, after) = rest.split_at_mut(band.len() * per_cell);
@@ -153,7 +153,6 @@ pub fn evaluate<T: Copy + Default + Send>(
         evaluate(values, &mut out);
         scatter(block, *start, per_cell, &out, band);
     });
-    numbers
 }
 
 /// Calls `visit` with every block, its values, and the slot of its band.
@@ -259,13 +258,15 @@ mod tests {
         let job = Job { grid, cells, columns: &columns, config: &config, progress, instructions };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n_threads).build().unwrap();
         pool.install(|| {
-            evaluate(&job, columns.len(), |values, out| {
+            let mut table = vec![0.0; cells.len() * columns.len()];
+            evaluate(&job, &mut table, |values, out| {
                 for column in 0..columns.len() {
                     for (cell, &value) in values.column(column).iter().enumerate() {
                         out[cell * columns.len() + column] = value;
                     }
                 }
-            })
+            });
+            table
         })
     }
 

@@ -180,12 +180,17 @@ pub enum MapError {
 /// Memory that reading takes per cell at most, beside the file itself: samples, gray values, and the map.
 const READ_BYTES_PER_CELL: u64 = 32;
 
-/// Whether the system would give `n_bytes` of memory now.
+/// The least that is probed for. The C library of Linux keeps freed blocks up to the largest it has seen freed, if that is not
+/// above 32 MiB, instead of returning them: a smaller probe would make the program keep what it could return.
+const LEAST_PROBE: u64 = 33 << 20;
+
+/// Whether the system would give `n_bytes` of memory now, and 33 MiB if these are more.
 ///
 /// An allocation that fails ends a program at once, so that nothing can be told; who asks before can tell. Memory that
 /// the system promises and does not have is not noticed.
 pub fn has_memory(n_bytes: u64) -> bool {
     let mut probe: Vec<u8> = Vec::new();
+    let n_bytes = n_bytes.max(LEAST_PROBE);
     let is_given = usize::try_from(n_bytes).is_ok_and(|n_bytes| probe.try_reserve_exact(n_bytes).is_ok());
     // What nobody looks at would not be allocated.
     std::hint::black_box(&probe);

@@ -4,15 +4,15 @@ use std::ops::Range;
 
 use super::{BoostedModel, Method, Model};
 use crate::amn;
-use crate::boost::{CompiledClassifiers, DecisionList, cell_scores};
+use crate::boost::DecisionList;
 use crate::grid::{Cell, CellGraph, OccupancyGrid};
 use crate::labels::{LabelField, Labeling};
 use crate::progress::{Progress, Stage};
 use crate::relax::relax_in_place;
 use crate::scan::ScanConfig;
 
-/// Cells that are classified at a time: what is stored of each meanwhile takes 32 bytes.
-const MIN_STRIP: usize = 1 << 20;
+/// Cells that are classified at a time: what is stored of each meanwhile takes 8 bytes.
+const MIN_STRIP: usize = 1 << 19;
 /// Most strips of a map: each takes a pass over the map.
 const MAX_STRIPS: usize = 16;
 
@@ -30,7 +30,7 @@ pub struct Labeled {
 impl Model {
     /// Labels the nodes of `graph`, the free cells of `map`: [`Stage::Classify`] and [`Stage::Smooth`] of the pipeline.
     ///
-    /// Memory of the boosted method, beside the result: 2 bytes a cell, or 32 MB.
+    /// Memory of the boosted method, beside the result: half a byte a cell, or 4 MB.
     pub fn label(&self, map: &OccupancyGrid, graph: &CellGraph, progress: &dyn Progress) -> Labeled {
         progress.begin(Stage::Classify);
         match &self.method {
@@ -61,16 +61,17 @@ fn classify(
     n_nodes: usize,
     progress: &dyn Progress,
 ) -> LabelField {
-    let classifiers = CompiledClassifiers::new(&list.classifiers);
-    let mut values = Vec::with_capacity(graph.n_nodes() * classifiers.n_classes());
+    let n_labels = list.order.len();
+    let mut values = vec![0.0; graph.n_nodes() * n_labels];
     for rows in strips(graph, n_nodes) {
-        let done = graph.nodes_in_rows(rows.clone()).start;
-        let part = Part { whole: progress, done, total: graph.n_nodes() };
-        let cells: Vec<Cell> = graph.cells_in_rows(rows).collect();
-        let scores = cell_scores(map, &cells, &classifiers, scan, &part);
-        values.extend_from_slice(list.classify(&scores).values());
+        let nodes = graph.nodes_in_rows(rows.clone());
+        let part = Part { whole: progress, done: nodes.start, total: graph.n_nodes() };
+        let mut cells: Vec<Cell> = Vec::with_capacity(nodes.len());
+        cells.extend(graph.cells_in_rows(rows));
+        let field = &mut values[nodes.start * n_labels..nodes.end * n_labels];
+        list.classify_cells(map, &cells, scan, &part, field);
     }
-    LabelField::from_rows(classifiers.n_classes(), values)
+    LabelField::from_rows(n_labels, values)
 }
 
 /// The rows of the map in strips of at least `n_nodes` nodes, but for the last. Scans are cast for 8 rows at a time.
