@@ -183,7 +183,7 @@ def of_limit(m, kind, seconds_per_cell, pairs):
 
 
 def bits_share(m, kind):
-    row, rate = m.get("rays", f"operations, {kind}"), m.rate("bits", kind)
+    row, rate = m.get("rays", f"operations, {kind}"), m.rate("bits", "Avx2" if kind == "Widest" else kind)
     return row and rate and 100 * row[1] / row[0] / rate
 
 
@@ -263,7 +263,7 @@ def expansion(m, add):
                      if (stage, n) == (f"alpha-expansion, {name}", size)]
             add(f"alpha-expansion, {size / 1e3:.0f} k nodes, {name}", "faster, energy not higher", f"{seconds:.3f} s",
                 "<br>".join(peers) or "not run",
-                cell(m.memory() and 100 * size * 8 / m.memory() / seconds, "{:.2f}", " % of one pass over memory"))
+                cell(m.memory() and 100 * size * 8 / m.memory() / seconds, "{:.2g}", " % of one pass over memory"))
 
 
 def components(m, add):
@@ -336,7 +336,7 @@ def main():
     pictures(m)
     rates = [f"{name} {m.rate('multiply and add', kind) * 1e-9:.0f} G" for kind, name in KINDS.items()
              if m.rate("multiply and add", kind)]
-    bits = [f"{m.rate('bits', kind) * 1e-9:.0f} G" for kind in KINDS if m.rate("bits", kind)]
+    bits = [f"{name} {m.rate('bits', kind) * 1e-9:.0f} G" for kind, name in KINDS.items() if m.rate("bits", kind)]
     memory = m.memory()
     part = [f"Measured on {time.strftime('%d %B %Y')}, {os.cpu_count()} cores of a shared {cpu_name()}; the best of all samples.",
             f"While this page was made, {os.getloadavg()[2]:.0f} processes at a time wanted these cores (a mean of 15 minutes).",

@@ -113,7 +113,7 @@ fn stages(criterion: &mut Criterion) {
         bench("labels.png, zlib's usual effort", &|| drop(twins::deflated_png(&image)));
         bench("overview.png", &|| drop(export::overview_png(&grid, &labeling, &set, &topology, "office")));
         // As many pixels a cell as the overview has.
-        let px_per_cell = (2000 / width).clamp(1, 8);
+        let px_per_cell = ((2000 + width / 2) / width).clamp(1, 8);
         let view = export::View {
             frame: grid.frame,
             left_cells: 0.0,

@@ -87,7 +87,7 @@ fn in_bands(
 }
 
 /// A white picture.
-#[expect(clippy::expect_used, reason = "documented: all sides here are above 0 and bounded")]
+#[expect(clippy::expect_used, reason = "all sides are above 0 and bounded")]
 pub(super) fn blank(width: u32, height: u32) -> Pixmap {
     let mut pixmap = Pixmap::new(width, height).expect("a picture of a bounded size");
     pixmap.fill(Color::from_rgba8(PAPER[0], PAPER[1], PAPER[2], 255));
