@@ -93,10 +93,7 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
     progress.begin(Stage::Correct);
     let by_scan = labeled.classified.most_likely();
     let resolution_m = map.frame.resolution_m();
-    let (smoothed, labeling) = match config.doorways {
-        Doorways::Mark => mark_doorways(&graph, resolution_m, model, labeled),
-        Doorways::Skip => (labeled.smoothed, labeled.labeling),
-    };
+    let (labeling, smoothed) = between_doorways(&graph, resolution_m, model, labeled, config.doorways);
     let corrected = regions_of(&graph, resolution_m, labeling, model, config.correction);
     let Edited { regions, names, outcomes } =
         edits::apply(&map.frame, &graph, &model.label_set, corrected, &config.edits);
@@ -129,14 +126,18 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
     }
 }
 
-/// What [`Doorways::Mark`] makes of `labeled`: the smoothed field as it was, and the labels between and in doorways.
-fn mark_doorways(
+/// The labels in and between doorways, or those of `labeled` where doorways are skipped, and the smoothed field.
+fn between_doorways(
     graph: &CellGraph,
     resolution_m: f64,
     model: &Model,
     labeled: Labeled,
-) -> (LabelField, Labeling) {
+    doorways: Doorways,
+) -> (Labeling, LabelField) {
     let Labeled { mut classified, smoothed, labeling } = labeled;
+    if doorways == Doorways::Skip {
+        return (labeling, smoothed);
+    }
     let label_set = &model.label_set;
     let labeling =
         doorways::mark(graph, resolution_m, &smoothed, &labeling, label_set, &DoorwayConfig::default());
@@ -147,14 +148,11 @@ fn mark_doorways(
             drop(smoothed);
             let settled = settle(&classified);
             relax_in_place(graph, &mut classified, &boosted.compatibility, &boosted.relaxation);
-            (classified, settled)
+            (settled, classified)
         }
-        Method::Boosted(_) => (smoothed, settle(&classified)),
+        Method::Boosted(_) => (settle(&classified), smoothed),
         // A network learns its node scores together with its edges; alone they say little.
-        Method::Iamn(_) => {
-            let settled = settle(&smoothed);
-            (smoothed, settled)
-        }
+        Method::Iamn(_) => (settle(&smoothed), smoothed),
     }
 }
 

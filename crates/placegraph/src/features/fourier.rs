@@ -150,11 +150,11 @@ impl Row {
             self.constant = sums;
         }
         if is_most && lanes == 8 {
-            self.add_products::<8, 0, 2>(z, powers);
-            self.add_products::<8, 2, 3>(z, powers);
+            self.add_in_parts::<8, 0, 2>(z, powers);
+            self.add_in_parts::<8, 2, 3>(z, powers);
         } else if is_most {
-            self.add_products::<4, 0, 2>(z, powers);
-            self.add_products::<4, 2, 3>(z, powers);
+            self.add_in_parts::<4, 0, 2>(z, powers);
+            self.add_in_parts::<4, 2, 3>(z, powers);
         } else {
             for b in (0..B).filter(|&b| needed[b + 1]) {
                 let mut sums = self.products[b];
@@ -173,7 +173,7 @@ impl Row {
 
     /// Adds the products for the `N` numbers b from `FIRST` + 1 on, of `L` cells at a time: as many sums as registers hold.
     #[inline(always)]
-    fn add_products<const L: usize, const FIRST: usize, const N: usize>(
+    fn add_in_parts<const L: usize, const FIRST: usize, const N: usize>(
         &mut self,
         z: &[[Singles; 2]; CHUNK],
         powers: &[Powers; CHUNK],
