@@ -18,7 +18,7 @@
 //! The library prints nothing, reads no clock, draws no random numbers and has no globals: the same input
 //! gives the same bits on any number of threads.
 //!
-//! A module uses only what stands to its left (`tests/dependency_order.rs` checks it):
+//! A module uses only what stands to its left (`tests/house/dependency_order.rs` checks it):
 //! `geom → grid → scan → labels → features → {boost, relax, amn} → doorways → regions → topology → model →
 //! {training, eval, import, export, pipeline}`.
 

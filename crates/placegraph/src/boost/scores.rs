@@ -3,7 +3,7 @@
 //! Cost: one comparison and one addition for every example and stump, over neighboring examples side by side.
 //!
 //! **Deviation**: votes and sums are `f32`, in the order of the stumps; a test bounds the difference from the sum in
-//! `f64` (`tests/boost_oracle.rs`).
+//! `f64` (`tests/labeling/boost_oracle.rs`).
 
 use rayon::prelude::*;
 

@@ -1,7 +1,7 @@
 //! The check of a map that was read: what would spoil a labeling of it, in words that say what to do.
 //!
 //! Cost: a few passes over the cells. The rules are ours; their limits are constants with a reason each, and
-//! `tests/import_check.rs` counts how often they are right on real maps and on spoiled copies of them.
+//! `tests/formats/import_check.rs` counts how often they are right on real maps and on spoiled copies of them.
 
 use std::fmt;
 

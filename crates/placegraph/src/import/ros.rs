@@ -2,7 +2,7 @@
 //!
 //! [`cell_value`] is the value that map_server publishes, −1 or 0..=100; [`occupancy`] makes the three states
 //! of it. With rules of [`Rules::Nav2`] the values are those of nav2_map_server's `map_io`, bit for bit, for
-//! every gray value (`tests/import_ros.rs`). Cost: one pass over the pixels with a table of 256 values.
+//! every gray value (`tests/formats/import_ros.rs`). Cost: one pass over the pixels with a table of 256 values.
 
 use serde::{Deserialize, Serialize};
 

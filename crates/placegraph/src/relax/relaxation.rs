@@ -14,7 +14,7 @@
 //! q(k) = r(k, wall) + ⅛ Σ_k' (r(k, k') − r(k, wall)) B(k')
 //! ```
 //!
-//! **Deviation**: `f32`, under a test that bounds the difference from the formula in `f64` (`tests/relax_oracle.rs`);
+//! **Deviation**: `f32`, under a test that bounds the difference from the formula in `f64` (`tests/labeling/relax_oracle.rs`);
 //! probabilities below 10⁻³⁰ become 0. A cell for which the neighbors rule out every label keeps its probabilities,
 //! which Eq. (4.6) leaves open.
 

@@ -1,0 +1,16 @@
+//! The program as its users run it.
+//!
+//! One program for many files: each program is linked on its own, which takes longer than to compile a file.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, reason = "helpers of tests")]
+
+mod batch;
+mod commands;
+mod dependencies;
+mod exports;
+mod extremes;
+#[cfg(unix)]
+mod faults;
+mod names_last;
+mod running;
+#[cfg(target_os = "linux")]
+mod soak;

@@ -1,0 +1,177 @@
+//! The check of a map: every finding on a drawing, and how often it is right on real maps.
+
+use crate::real_maps;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use placegraph::geom::Pose2;
+use placegraph::grid::{Grid, MapFrame, Occupancy, OccupancyGrid};
+use placegraph::import::ros::{Interpretation, Mode};
+use placegraph::import::{
+    Finding, Format, Gray205, LoadedMap, ReadOptions, Severity, Source, check, load_map,
+};
+
+fn loaded(grid: OccupancyGrid) -> LoadedMap {
+    let source = Source {
+        format: Format::MapServer,
+        interpretation: Interpretation::default(),
+        gray_205: Gray205::Unknown,
+        gray_205_cells: 0,
+        transparent_cells: 0,
+    };
+    LoadedMap { grid, name: "map".into(), source, hash: String::new() }
+}
+
+/// A room of `width` × `height` free cells inside walls of one cell, in unknown space.
+fn room(width: u32, height: u32, resolution_m: f64) -> LoadedMap {
+    let (w, h) = (width + 4, height + 4);
+    let depth = |x: u32, y: u32| x.min(y).min(w - 1 - x).min(h - 1 - y);
+    let cells = Grid::filled(w, h, ()).cells().map(|cell| match depth(cell.x, cell.y) {
+        0 => Occupancy::Unknown,
+        1 => Occupancy::Occupied,
+        _ => Occupancy::Free,
+    });
+    let frame = MapFrame::new(resolution_m, Pose2::default()).unwrap();
+    loaded(OccupancyGrid { frame, cells: Grid::from_rows(w, h, cells.collect()) })
+}
+
+/// Free and all else exchanged, as when `negate` is wrong.
+fn negated(map: &LoadedMap) -> LoadedMap {
+    let cells = map.grid.cells.map(|&state| match state {
+        Occupancy::Occupied => Occupancy::Free,
+        _ => Occupancy::Occupied,
+    });
+    loaded(OccupancyGrid { frame: map.grid.frame, cells })
+}
+
+fn scaled(map: &LoadedMap, factor: f64) -> LoadedMap {
+    let frame = MapFrame::new(map.grid.frame.resolution_m() * factor, Pose2::default()).unwrap();
+    loaded(OccupancyGrid { frame, cells: map.grid.cells.clone() })
+}
+
+fn names(map: &LoadedMap) -> Vec<&'static str> {
+    check(map).findings.iter().map(name).collect()
+}
+
+fn name(finding: &Finding) -> &'static str {
+    match finding {
+        Finding::NoFreeCell => "no free cell",
+        Finding::Thresholds { .. } => "thresholds",
+        Finding::Gray205Unknown { .. } => "205 unknown",
+        Finding::Gray205Free { .. } => "205 free",
+        Finding::Inverted { .. } => "inverted",
+        Finding::OpenToBorder { .. } => "border",
+        Finding::Resolution { .. } => "resolution",
+        Finding::NoOccupiedCell => "no occupied cell",
+        Finding::NoUnknownCell => "no unknown cell",
+        Finding::Transparent { .. } => "transparent",
+        Finding::Specks { .. } => "specks",
+        _ => "new",
+    }
+}
+
+#[test]
+fn a_room_is_fine_and_its_negative_is_not() {
+    let room = room(60, 40, 0.05);
+    assert!(names(&room).is_empty());
+    let found = check(&negated(&room));
+    assert!(found.findings.iter().any(|f| matches!(f, Finding::Inverted { .. })), "{found}");
+    assert!(found.to_string().contains("check negate"), "{found}");
+}
+
+#[test]
+fn a_wrong_resolution_is_found_both_ways() {
+    assert_eq!(names(&room(60, 40, 0.0005)), ["resolution"]);
+    assert_eq!(names(&room(60, 40, 5.0)), ["resolution"]);
+}
+
+#[test]
+fn the_border_counts_cells() {
+    let map = loaded(OccupancyGrid::from_ascii(
+        1.0,
+        "
+        #....?
+        #....#
+        #....#
+        ######
+        ",
+    ));
+    let found = check(&map);
+    assert_eq!(found.findings, [Finding::OpenToBorder { n_cells: 4 }]);
+    assert_eq!(found.findings[0].severity(), Severity::Warning);
+    assert!((found.shares.free - 0.5).abs() < 1e-12);
+}
+
+#[test]
+fn maps_without_one_of_the_states() {
+    let none = loaded(OccupancyGrid::from_ascii(1.0, "####\n####"));
+    let found = check(&none);
+    assert_eq!(found.findings[0], Finding::NoFreeCell);
+    assert_eq!(found.findings[0].severity(), Severity::Error);
+    assert!(names(&none).contains(&"no unknown cell"));
+    assert!(names(&loaded(OccupancyGrid::from_ascii(1.0, "????\n?..?\n????"))).contains(&"no occupied cell"));
+}
+
+#[test]
+fn how_the_map_was_read_is_told() {
+    let mut map = room(60, 40, 0.05);
+    map.source.interpretation = Interpretation { free_thresh: 0.7, mode: Mode::Scale, ..Default::default() };
+    map.source.transparent_cells = 3;
+    map.source.gray_205_cells = 704;
+    assert_eq!(names(&map), ["thresholds", "205 unknown", "transparent"]);
+    let text = check(&map).to_string();
+    assert!(text.contains("704 cells, 25.0 %") && text.contains("--gray-205 as-file"), "{text}");
+    map.source.gray_205 = Gray205::AsFile;
+    assert!(names(&map).contains(&"205 free"));
+}
+
+#[test]
+fn specks_are_counted() {
+    let mut map = room(60, 40, 0.05);
+    for index in 0..12 {
+        map.grid.cells.values_mut()[index * 5] = Occupancy::Free;
+    }
+    let found = check(&map).findings;
+    let specks = found.iter().find_map(|f| match f {
+        Finding::Specks { n_specks, area_m2 } => Some((*n_specks, *area_m2)),
+        _ => None,
+    });
+    assert!(specks.is_some_and(|(n, area)| n == 12 && (area - 12.0 * 0.0025).abs() < 1e-12), "{found:?}");
+}
+
+fn eval_maps(data: &Path) -> Vec<PathBuf> {
+    let folders = fs::read_dir(data.join("eval")).unwrap().map(|entry| entry.unwrap().path());
+    let mut maps: Vec<PathBuf> =
+        folders.map(|folder| folder.join("map.yaml")).filter(|yaml| yaml.exists()).collect();
+    maps.sort();
+    maps
+}
+
+#[test]
+fn real_maps_pass_and_spoiled_copies_are_found() {
+    let Some(data) = real_maps::folder() else { return };
+    let has = |map: &LoadedMap, wanted: &str| usize::from(names(map).contains(&wanted));
+    let (mut false_alarms, mut inverted, mut too_coarse, mut too_fine) = (0, 0, 0, 0);
+    let maps = eval_maps(&data);
+    for path in &maps {
+        let map = load_map(path, &ReadOptions::default()).unwrap();
+        let alarms: Vec<_> =
+            names(&map).into_iter().filter(|found| ["inverted", "resolution"].contains(found)).collect();
+        if !alarms.is_empty() {
+            println!("false alarm {alarms:?} on {}", path.display());
+            false_alarms += 1;
+        }
+        inverted += has(&negated(&map), "inverted");
+        too_coarse += has(&scaled(&map, 10.0), "resolution");
+        too_fine += has(&scaled(&map, 0.1), "resolution");
+    }
+    let n = maps.len();
+    println!(
+        "{n} maps: false alarms {false_alarms}; found {inverted} of {n} negatives, {too_coarse} of {n} ten times \
+         too coarse, {too_fine} of {n} ten times too fine"
+    );
+    assert_eq!(false_alarms, 0);
+    assert!(inverted * 100 >= n * 95, "{inverted} of {n} negatives");
+    assert!(too_fine * 100 >= n * 80, "{too_fine} of {n} ten times too fine");
+    assert!(too_coarse * 100 >= n * 50, "{too_coarse} of {n} ten times too coarse");
+}

@@ -1,0 +1,252 @@
+//! map_server rules against what nav2_map_server itself gave, and map files good and bad.
+
+use crate::real_maps;
+use std::fs;
+
+use placegraph::geom::Pose2;
+use placegraph::grid::{Cell, Occupancy};
+use placegraph::import::image::{Channels, Raster, Samples};
+use placegraph::import::ros::{self, Interpretation, Mode, Rules};
+use placegraph::import::{Format, Gray205, MapError, NamedFiles, ReadOptions, load_map, read_image};
+
+const YAML: &str = "image: map.pgm\nresolution: 0.05\norigin: [1, 2, 0.5]\nnegate: 0\n\
+                    occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+
+/// A folder with `map.yaml` and `map.pgm`.
+fn folder(yaml: &str, image: &[u8]) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("map.yaml"), yaml).unwrap();
+    fs::write(folder.path().join("map.pgm"), image).unwrap();
+    folder
+}
+
+fn load_yaml(yaml: &str, image: &[u8]) -> Result<placegraph::import::LoadedMap, MapError> {
+    load_map(&folder(yaml, image).path().join("map.yaml"), &ReadOptions::default())
+}
+
+/// The error inside the wrapper that names the file.
+fn cause(error: MapError) -> MapError {
+    match error {
+        MapError::InFile { error, .. } | MapError::ImageFile { error, .. } => cause(*error),
+        other => other,
+    }
+}
+
+#[test]
+fn every_gray_value_is_what_nav2_map_server_gives() {
+    let Some(data) = real_maps::folder() else { return };
+    let file = data.join("../tools/nav2_map_vectors.json");
+    let vectors: serde_json::Value = serde_json::from_slice(&fs::read(file).unwrap()).unwrap();
+    let mut n_compared = 0;
+    for case in vectors["cases"].as_array().unwrap() {
+        let how = Interpretation {
+            mode: match case["mode"].as_str().unwrap() {
+                "trinary" => Mode::Trinary,
+                "scale" => Mode::Scale,
+                _ => Mode::Raw,
+            },
+            negate: case["negate"] == 1,
+            occupied_thresh: case["occupied_thresh"].as_f64().unwrap(),
+            free_thresh: case["free_thresh"].as_f64().unwrap(),
+            rules: Rules::Nav2,
+        };
+        for (gray, expected) in case["occupancy"].as_array().unwrap().iter().enumerate() {
+            let found = ros::cell_value(gray as f64, 255, &how);
+            assert_eq!(i64::from(found), expected.as_i64().unwrap(), "gray {gray}, {how:?}");
+            n_compared += 1;
+        }
+    }
+    assert_eq!(n_compared, 21 * 256);
+}
+
+#[test]
+fn the_first_row_of_the_image_is_the_top_of_the_map() {
+    let map = load_yaml(YAML, b"P2 # comment\n2 2\n# another\n255\n0 254\n205 254\n").unwrap();
+    assert_eq!(map.grid.cells[Cell::new(0, 1)], Occupancy::Occupied);
+    assert_eq!(map.grid.cells[Cell::new(0, 0)], Occupancy::Unknown);
+    assert_eq!(map.grid.cells.row(0)[1], Occupancy::Free);
+    assert_eq!(map.grid.frame.map_from_grid(), Pose2::new(1.0, 2.0, 0.5));
+    assert_eq!((map.name.as_str(), map.source.format), ("map", Format::MapServer));
+}
+
+#[test]
+fn the_hash_covers_yaml_and_image() {
+    let hash = |yaml, image| load_yaml(yaml, image).unwrap().hash;
+    let other_yaml = YAML.replace("0.05", "0.1");
+    // cat map.yaml map.pgm | sha256sum
+    let one = hash(YAML, b"P2 1 1 255 0");
+    assert_eq!(one, "e567c038a935319b14090e2a76fa716c459a169ef146346d271064fb156f43d7");
+    assert_ne!(one, hash(&other_yaml, b"P2 1 1 255 0"));
+    assert_ne!(one, hash(YAML, b"P2 1 1 255 1"));
+}
+
+#[test]
+fn images_of_all_pixel_types_read_alike() {
+    // Black, gray 205, near white: occupied, unknown, free.
+    let expected = [Occupancy::Occupied, Occupancy::Unknown, Occupancy::Free];
+    let gray = [0u8, 205, 254];
+    let wide = gray.map(|v| u16::from(v) * 257);
+    let spread = |n: usize, alpha: bool| -> Vec<u8> {
+        let pixel = |v: u8| (0..n).map(move |k| if alpha && k + 1 == n { 255 } else { v });
+        gray.into_iter().flat_map(pixel).collect()
+    };
+    let eight = [
+        (Channels::Gray, spread(1, false)),
+        (Channels::GrayAlpha, spread(2, true)),
+        (Channels::Rgb, spread(3, false)),
+        (Channels::Rgba, spread(4, true)),
+    ];
+    let mut rasters: Vec<(Channels, Samples)> =
+        eight.into_iter().map(|(channels, samples)| (channels, Samples::Eight(samples))).collect();
+    rasters.push((Channels::Gray, Samples::Sixteen(wide.to_vec())));
+    for (channels, samples) in rasters {
+        let raster = Raster { width: 3, height: 1, channels, samples };
+        let (cells, source) =
+            read_image(raster, Format::Image, Interpretation::default(), &ReadOptions::default());
+        assert_eq!(cells.values(), expected, "{channels:?}");
+        assert_eq!(source.transparent_cells, 0);
+    }
+}
+
+#[test]
+fn encoded_images_decode_to_the_same_gray_values() {
+    let decode = |bytes: &[u8]| ros_gray(placegraph::import::image::decode(bytes, 100).unwrap());
+    assert_eq!(decode(b"P2 3 1 100\n0 50 100"), [0, 128, 255]);
+    assert_eq!(decode(b"P5 3 1 255\n\x00\xcd\xfe"), [0, 205, 254]);
+    assert_eq!(decode(b"P5 2 1 65535\n\x00\x00\xcd\xcd"), [0, 205]);
+    assert_eq!(decode(b"P1 3 1\n0 1 0"), [255, 0, 255]);
+    assert_eq!(decode(b"P4 3 1\n\x40"), [255, 0, 255]);
+    assert_eq!(decode(b"P3 1 1 255\n10 10 10"), [10]);
+}
+
+fn ros_gray(raster: Raster) -> Vec<u8> {
+    let measured = ros::brightness(raster, &Interpretation::default());
+    measured.cells.values().iter().map(|&(gray, _)| gray as u8).collect()
+}
+
+#[test]
+fn png_palettes_and_single_bits_are_expanded() {
+    let png = |color, depth, palette: Option<Vec<u8>>, data: &[u8], width| {
+        let mut file = Vec::new();
+        let mut encoder = png::Encoder::new(&mut file, width, 1);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        if let Some(palette) = palette {
+            encoder.set_palette(palette);
+        }
+        encoder.write_header().unwrap().write_image_data(data).unwrap();
+        file
+    };
+    let gray = |bytes: &[u8]| ros_gray(placegraph::import::image::decode(bytes, 100).unwrap());
+    let palette = vec![205, 205, 205, 0, 0, 0, 254, 254, 254];
+    let indexed = png(png::ColorType::Indexed, png::BitDepth::Two, Some(palette), &[0b0001_1000], 3);
+    assert_eq!(gray(&indexed), [205, 0, 254]);
+    let bits = png(png::ColorType::Grayscale, png::BitDepth::One, None, &[0b0100_0000], 2);
+    assert_eq!(gray(&bits), [0, 255]);
+}
+
+#[test]
+fn saved_with_free_thresh_25_unknown_stays_unknown_unless_asked() {
+    let yaml = YAML.replace("0.196", "0.25");
+    let image = b"P2 4 1 255 0 205 205 254";
+    let map = load_yaml(&yaml, image).unwrap();
+    assert_eq!(map.grid.count(Occupancy::Unknown), 2);
+    assert_eq!(map.source.gray_205_cells, 2);
+
+    let options = ReadOptions { gray_205: Gray205::AsFile, ..Default::default() };
+    let map = load_map(&folder(&yaml, image).path().join("map.yaml"), &options).unwrap();
+    assert_eq!((map.grid.count(Occupancy::Free), map.source.gray_205_cells), (3, 2));
+
+    // A picture with all shades of gray is no saved map: the file's word counts.
+    let shades = b"P2 6 1 255 0 205 204 203 202 254";
+    assert_eq!(load_yaml(&yaml, shades).unwrap().grid.count(Occupancy::Free), 5);
+}
+
+#[test]
+fn options_replace_what_the_file_says() {
+    let options = ReadOptions {
+        resolution_m: Some(0.2),
+        free_thresh: Some(0.1),
+        occupied_thresh: Some(0.3),
+        ..Default::default()
+    };
+    let image = b"P2 3 1 255 170 205 254";
+    let map = load_map(&folder(YAML, image).path().join("map.yaml"), &options).unwrap();
+    assert_eq!(map.grid.cells.values(), [Occupancy::Occupied, Occupancy::Unknown, Occupancy::Free]);
+    assert!((map.grid.frame.resolution_m() - 0.2).abs() < 1e-15);
+}
+
+#[test]
+fn an_image_alone_needs_a_resolution() {
+    let folder = folder("", b"P2 1 1 255 254");
+    let image = folder.path().join("map.pgm");
+    let error = cause(load_map(&image, &ReadOptions::default()).unwrap_err());
+    assert!(matches!(error, MapError::NoResolution));
+    let options = ReadOptions { resolution_m: Some(0.05), ..Default::default() };
+    assert!(load_map(&image, &options).unwrap().grid.is_free(Cell::new(0, 0)));
+}
+
+#[test]
+fn bad_yaml_is_one_clear_error_each() {
+    let with = |from: &str, to: &str| {
+        let error = load_yaml(&YAML.replace(from, to), b"P2 1 1 255 0").unwrap_err();
+        (error.to_string(), cause(error))
+    };
+    let (message, error) = with("resolution: 0.05\n", "");
+    assert!(matches!(error, MapError::Yaml { .. }) && message.contains("resolution"), "{message}");
+    assert!(message.contains("map.yaml"), "{message}");
+    let (message, error) = with("0.65", "high");
+    assert!(matches!(error, MapError::Yaml { line: 5, .. }), "{message}");
+    assert!(!message.contains('\n'), "{message}");
+    assert!(matches!(with("resolution: 0.05", "resolution: 0").1, MapError::Frame(_)));
+    assert!(matches!(with("resolution: 0.05", "resolution: -1").1, MapError::Frame(_)));
+    assert!(matches!(with("2, 0.5]", "2]").1, MapError::Origin { found: 2 }));
+    assert!(matches!(with("2, 0.5]", "2, 0.5, 0]").1, MapError::Origin { found: 4 }));
+    assert!(matches!(with("negate: 0", "negate: 0\nmode: binary").1, MapError::Mode { .. }));
+    assert!(matches!(with("image: map.pgm", "image: [").1, MapError::Yaml { .. }));
+    for bad in [".nan", ".inf", "-.inf"] {
+        for key in ["resolution: 0.05", "occupied_thresh: 0.65", "free_thresh: 0.196", "origin: [1, 2, 0.5]"]
+        {
+            let (name, _) = key.split_once(':').unwrap();
+            let value = if name == "origin" { format!("[0, {bad}, 0]") } else { bad.to_owned() };
+            assert!(ros::parse_yaml(YAML.replace(key, &format!("{name}: {value}")).as_bytes()).is_err());
+        }
+    }
+    assert!(matches!(ros::parse_yaml(b"").unwrap_err(), MapError::Yaml { .. }));
+    assert!(matches!(ros::parse_yaml(b"\xff\xfe\x00").unwrap_err(), MapError::Yaml { .. }));
+}
+
+#[test]
+fn bad_images_are_one_clear_error_each() {
+    let error = |image: &[u8]| cause(load_yaml(YAML, image).unwrap_err());
+    assert!(matches!(error(b"this is no image\n"), MapError::ImageFormat { found: "text" }));
+    assert!(matches!(error(b""), MapError::ImageFormat { found: "an empty file" }));
+    assert!(matches!(error(b"\xff\xd8\xff\xe0 jpeg"), MapError::ImageFormat { .. }));
+    assert!(matches!(error(b"P5 10 10 255\nshort"), MapError::ImageData { .. }));
+    assert!(matches!(error(b"P5 4000000 4000000 255\n"), MapError::TooManyCells { .. }));
+    assert!(matches!(error(b"P2 0 5 255\n"), MapError::Empty { width: 0, height: 5 }));
+    assert!(matches!(error(b"\x89PNG\r\n\x1a\n rest"), MapError::ImageData { .. }));
+    let palette = include_bytes!("../corpus/map_image/palette_cut_off.png");
+    assert!(error(palette).to_string().contains("a palette of 137 bytes"), "{}", error(palette));
+
+    let folder = folder(YAML, b"P2 1 1 255 0");
+    fs::remove_file(folder.path().join("map.pgm")).unwrap();
+    let missing = load_map(&folder.path().join("map.yaml"), &ReadOptions::default()).unwrap_err();
+    let message = missing.to_string();
+    assert!(message.contains("map.pgm") && message.contains("map.yaml"), "{message}");
+    assert!(matches!(cause(missing), MapError::Io { .. }));
+    assert!(load_map(folder.path(), &ReadOptions::default()).is_err());
+}
+
+#[test]
+fn images_outside_the_folder_need_permission() {
+    let image = folder("", b"P2 1 1 255 0");
+    let elsewhere = image.path().join("map.pgm");
+    for path in [elsewhere.to_str().unwrap(), "../map.pgm", "deeper/../../map.pgm"] {
+        let error = cause(load_yaml(&YAML.replace("map.pgm", path), b"P2 1 1 255 0").unwrap_err());
+        assert!(matches!(error, MapError::Outside { .. }), "{path}");
+    }
+    let yaml = folder(&YAML.replace("map.pgm", elsewhere.to_str().unwrap()), b"");
+    let options = ReadOptions { named_files: NamedFiles::Anywhere, ..Default::default() };
+    assert_eq!(load_map(&yaml.path().join("map.yaml"), &options).unwrap().grid.cells.width(), 1);
+}
