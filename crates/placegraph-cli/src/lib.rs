@@ -3,10 +3,7 @@
 mod args;
 mod commands;
 mod document;
-mod exports;
 mod guard;
-mod labeling;
-mod masks;
 mod model;
 mod output;
 mod progress;

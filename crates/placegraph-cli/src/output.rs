@@ -21,7 +21,6 @@ const STAGING: &str = ".placegraph-";
 #[derive(Debug, Default)]
 pub(crate) struct OutputSet {
     files: Vec<(String, Vec<u8>)>,
-    left_out: Vec<String>,
 }
 
 impl OutputSet {
@@ -30,9 +29,9 @@ impl OutputSet {
         self.files.push((name.into(), bytes.into()));
     }
 
-    /// The set has no file called `name`: an earlier one does not belong to it and is removed.
-    pub(crate) fn leave_out(&mut self, name: impl Into<String>) {
-        self.left_out.push(name.into());
+    /// The files so far, in the order in which they were added.
+    pub(crate) fn files(&self) -> impl Iterator<Item = (&str, &[u8])> {
+        self.files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
     }
 
     /// Writes all files into `folder`, which is made if it does not exist. Returns their paths in the order in
@@ -85,7 +84,7 @@ impl OutputSet {
             [_, .., (last, _)] => Some(last),
             _ => None,
         };
-        for name in last.into_iter().chain(&self.left_out) {
+        if let Some(name) = last {
             let path = folder.join(name);
             match fs::remove_file(&path) {
                 Err(error) if error.kind() != ErrorKind::NotFound => {
@@ -193,17 +192,6 @@ mod tests {
         assert_eq!(names(folder.path()), ["a", "b", "other"]);
         assert_eq!(fs::read_to_string(folder.path().join("a")).unwrap(), "1");
         assert_eq!(fs::read_to_string(folder.path().join("other")).unwrap(), "mine");
-    }
-
-    #[test]
-    fn what_is_left_out_does_not_stay_from_before() {
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(folder.path().join("b"), "old").unwrap();
-        let mut set = set(&[("a", "1"), ("c", "2")]);
-        set.leave_out("b");
-        set.leave_out("never there");
-        set.commit(folder.path()).unwrap();
-        assert_eq!(names(folder.path()), ["a", "c"]);
     }
 
     #[test]

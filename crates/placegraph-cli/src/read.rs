@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
+use placegraph::export::MaskSettings;
 use placegraph::import::{self, Gray205, LoadedMap, NamedFiles, ReadOptions, ros::Rules};
+use placegraph::model::sha256_hex;
 
 use crate::args::{ReadArgs, RulesArg};
 
@@ -37,4 +39,13 @@ pub(crate) fn text(path: &Path, what: &str) -> Result<String> {
 /// Reads an image of labels, rooms or regions with at most `max_cells` pixels.
 pub(crate) fn image(path: &Path, max_cells: u64) -> Result<Vec<u8>> {
     import::read_cells(path, max_cells).with_context(|| format!("could not read {}", path.display()))
+}
+
+/// The mask file at `path` and the hash of its bytes, or what holds without one.
+pub(crate) fn masks(path: Option<&Path>) -> Result<(MaskSettings, Option<String>)> {
+    let Some(path) = path else { return Ok((MaskSettings::default(), None)) };
+    let text = text(path, "mask file")?;
+    let masks =
+        toml::from_str(&text).with_context(|| format!("expected a mask file in {}", path.display()))?;
+    Ok((masks, Some(sha256_hex(text.as_bytes()))))
 }

@@ -7,7 +7,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
-pub(crate) use values::{CropArg, PlacePointArg, PointArg};
+use placegraph::export::Format;
+pub(crate) use values::{CropArg, Formats, PlacePointArg, PointArg};
 
 /// From an occupancy grid map to corridors, rooms, doorways and how they connect.
 #[derive(Debug, Parser)]
@@ -110,8 +111,8 @@ pub(crate) struct MapArgs {
     #[arg(long)]
     pub(crate) no_correction: bool,
     /// Also write these formats: docs/exports.md
-    #[arg(long, value_enum, value_delimiter = ',', value_name = "FORMAT,...")]
-    pub(crate) export: Vec<Format>,
+    #[arg(long, value_parser = Formats::parser(), value_delimiter = ',', value_name = "FORMAT,...")]
+    pub(crate) export: Vec<Formats>,
     /// What the costs, limits and zones of masks are: docs/exports.md
     #[arg(long, value_name = "MASKS.toml")]
     pub(crate) masks: Option<PathBuf>,
@@ -126,37 +127,6 @@ pub(crate) struct MapArgs {
     pub(crate) resume: bool,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
-}
-
-/// What can be written beside the results of `map`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-pub(crate) enum Format {
-    /// Route graph of Navigation 2
-    Nav2,
-    /// Keep-out mask of Navigation 2
-    Nav2Keepout,
-    /// Speed mask of Navigation 2
-    Nav2Speed,
-    /// Zone mask of Navigation 2
-    Nav2Zones,
-    /// Shapes of Navigation 2's vector-object server
-    Nav2Shapes,
-    /// Navigation graph of Open-RMF
-    Rmf,
-    /// Building file of Open-RMF's traffic editor
-    RmfBuilding,
-    /// Topological map of LCAS
-    Tmap2,
-    /// GraphML
-    Graphml,
-    /// Graphviz
-    Dot,
-    /// Outlines as GeoJSON
-    Geojson,
-    /// A drawing
-    Svg,
-    /// Everything on one page for a browser
-    Report,
 }
 
 /// Sets of features; `docs/features.md` has their members.
@@ -359,8 +329,8 @@ pub(crate) struct ExportArgs {
     #[arg(value_name = "TOPOLOGY.json")]
     pub(crate) topology: PathBuf,
     /// What to write
-    #[arg(long, value_enum, value_name = "FORMAT")]
-    pub(crate) to: Format,
+    #[arg(long, value_parser = values::format(), value_name = "FORMAT")]
+    pub(crate) to: &'static Format,
     /// Where to write it: a file, or an existing folder for a file with the usual name
     #[arg(short, long, value_name = "PATH")]
     pub(crate) output: PathBuf,
@@ -426,11 +396,4 @@ pub(crate) struct ManArgs {
     /// The command
     #[arg(value_name = "COMMAND")]
     pub(crate) command: Option<String>,
-}
-
-impl std::fmt::Display for Format {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        // No variant is skipped, so that all have a name.
-        f.write_str(self.to_possible_value().as_ref().map_or("", |value| value.get_name()))
-    }
 }

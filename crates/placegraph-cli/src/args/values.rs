@@ -2,6 +2,9 @@
 
 use std::str::FromStr;
 
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use placegraph::export::{FORMATS, Format};
+
 /// Pixels of an image, y down, upper bounds exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct CropArg {
@@ -78,9 +81,55 @@ impl FromStr for PlacePointArg {
     }
 }
 
+/// A format by its name.
+pub(crate) fn format() -> impl TypedValueParser<Value = &'static Format> {
+    PossibleValuesParser::new(named_formats())
+        .try_map(|name| Format::by_name(&name).ok_or_else(|| format!("there is no format {name}")))
+}
+
+fn named_formats() -> impl Iterator<Item = PossibleValue> {
+    FORMATS.iter().map(|format| PossibleValue::new(format.name).help(format.doc))
+}
+
+/// Formats that one word stands for.
+#[derive(Clone, Debug)]
+pub(crate) struct Formats(Vec<&'static Format>);
+
+/// The word for every format.
+const ALL: &str = "all";
+
+impl Formats {
+    /// A format by its name, or all of them.
+    pub(crate) fn parser() -> impl TypedValueParser<Value = Self> {
+        let all = PossibleValue::new(ALL).help("All of these");
+        PossibleValuesParser::new(named_formats().chain([all]))
+            .map(|name| Self(FORMATS.iter().filter(|format| name == ALL || name == format.name).collect()))
+    }
+
+    /// What several words stand for: each format once, in the order of the table.
+    pub(crate) fn in_order(words: &[Self]) -> Vec<&'static Format> {
+        let is_asked =
+            |format: &&Format| words.iter().any(|word| word.0.iter().any(|f| f.name == format.name));
+        FORMATS.iter().filter(is_asked).collect()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn formats_come_once_and_in_the_order_of_the_table() {
+        let parse = |words: &[&str]| {
+            let word =
+                |word: &&str| Formats(FORMATS.iter().filter(|f| *word == ALL || *word == f.name).collect());
+            let formats = Formats::in_order(&words.iter().map(word).collect::<Vec<_>>());
+            formats.iter().map(|format| format.name).collect::<Vec<_>>()
+        };
+        assert_eq!(parse(&["svg", "nav2", "svg"]), ["nav2", "svg"]);
+        assert_eq!(parse(&["svg", "all"]), FORMATS.iter().map(|format| format.name).collect::<Vec<_>>());
+        assert!(parse(&[]).is_empty());
+    }
 
     #[test]
     fn a_point_may_name_its_frame() {

@@ -3,22 +3,20 @@
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use placegraph::export::MapInfo;
+use placegraph::export::{Export, MapInfo};
 
 use super::Outcome;
-use crate::args::{ExportArgs, Format};
-use crate::exports::{Subject, usual_name};
-use crate::masks::Masks;
+use crate::args::ExportArgs;
 use crate::output::OutputSet;
 use crate::{document, read};
 
 /// Writes the file or the files of the format, all or none.
 pub(crate) fn run(args: &ExportArgs) -> Result<Outcome> {
     let document = document::read(&args.topology)?;
-    let masks = Masks::load(args.masks.as_deref())?;
+    let masks = read::masks(args.masks.as_deref())?.0;
     let map = args.map.as_deref().map(|path| read::map(path, &args.read)).transpose()?;
     if let Some(map) = &map {
-        ensure!(args.to == Format::Report, "expected --map with the format report only, found {}", args.to);
+        ensure!(args.to.needs_cells, "expected --map with the format report only, found {}", args.to.name);
         let found = MapInfo::of(&map.grid, &document.map.name, &map.hash);
         ensure!(
             (found.hash == document.map.hash)
@@ -29,10 +27,11 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome> {
             document.map.hash
         );
     }
-    let mut subject = Subject::new(&document, &masks)?;
-    subject.occupancy = map.as_ref().map(|map| &map.grid.cells);
+    let mut export = Export::new(&document, &masks)?;
+    export.written = document::fixed_time().unwrap_or_default();
+    export.occupancy = map.as_ref().map(|map| &map.grid.cells);
     let (folder, main) = if args.output.is_dir() {
-        (args.output.as_path(), usual_name(args.to, &document.map.name))
+        (args.output.as_path(), args.to.usual_name(&document.map.name))
     } else {
         let name = args.output.file_name().with_context(|| {
             format!("expected the path of a file or an existing folder, found {}", args.output.display())
@@ -41,7 +40,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome> {
         (folder.unwrap_or(Path::new(".")), name.to_string_lossy().into_owned())
     };
     let mut files = OutputSet::default();
-    for (name, bytes) in subject.files(args.to, &main)? {
+    for (name, bytes) in args.to.write(&export, &main).with_context(|| format!("cannot write {main}"))? {
         files.add(name, bytes);
     }
     files.commit(folder)?;

@@ -1,6 +1,5 @@
 //! One file a command.
 
-mod batch;
 pub(crate) mod evaluate;
 pub(crate) mod export;
 pub(crate) mod features;

@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use crate::running::{FORMATS, all_formats, done, json, names, placegraph, refused, shipped, stderr};
+use crate::running::{done, json, names, placegraph, refused, shipped, stderr};
+use placegraph::export::FORMATS;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -15,7 +16,7 @@ fn home() -> PathBuf {
 /// The example home with all exports, labeled once.
 static RESULT: LazyLock<TempDir> = LazyLock::new(|| {
     let folder = TempDir::new().unwrap();
-    done(&[&"map", &home(), &"--out", &folder.path(), &"--export", &all_formats()]);
+    done(&[&"map", &home(), &"--out", &folder.path(), &"--export", &"all"]);
     folder
 });
 
@@ -43,18 +44,23 @@ fn in_toml(place: &Value) -> String {
 #[test]
 fn map_and_export_write_the_same_files() {
     let out = TempDir::new().unwrap();
-    for (format, files) in FORMATS {
-        let folder = out.path().join(format);
+    let document = json(&topology());
+    let listed: Vec<&str> =
+        document["files"].as_array().unwrap().iter().map(|file| file["name"].as_str().unwrap()).collect();
+    for format in FORMATS {
+        let folder = out.path().join(format.name);
         fs::create_dir(&folder).unwrap();
-        done(&[&"export", &topology(), &"--to", &format, &"-o", &folder]);
-        let mut expected: Vec<&str> = files.to_vec();
+        done(&[&"export", &topology(), &"--to", &format.name, &"-o", &folder]);
+        let files = format.file_names(&format.usual_name(document["map"]["name"].as_str().unwrap())).unwrap();
+        let mut expected = files.clone();
         expected.sort_unstable();
-        assert_eq!(names(&folder), expected, "{format}");
+        assert_eq!(names(&folder), expected, "{}", format.name);
+        assert!(files.iter().all(|file| listed.contains(&file.as_str())), "{} of {listed:?}", format.name);
         for file in files {
-            let [with, from] = [RESULT.path(), &folder].map(|folder| fs::read(folder.join(file)).unwrap());
+            let [with, from] = [RESULT.path(), &folder].map(|folder| fs::read(folder.join(&file)).unwrap());
             assert!(!with.is_empty());
             // A document does not hold the report's pictures.
-            if format != "report" {
+            if !format.needs_cells {
                 assert!(with == from, "{file} differs");
             }
         }
@@ -75,7 +81,7 @@ fn map_and_export_write_the_same_files() {
 }
 
 #[test]
-fn a_format_that_cannot_hold_a_map_is_left_out_and_told() {
+fn a_format_that_cannot_hold_a_map_is_skipped_and_told() {
     let folder = TempDir::new().unwrap();
     let path = |name: &str| folder.path().join(name);
     let is_wall = |i: usize| !(40..1160).contains(&i) || i.is_multiple_of(40) || i % 40 == 39;
@@ -86,17 +92,15 @@ fn a_format_that_cannot_hold_a_map_is_left_out_and_told() {
     let map: [&dyn AsRef<std::ffi::OsStr>; 6] =
         [&"map", &room, &"--resolution", &"0.1", &"--export", &"nav2,dot"];
     let out = path("out");
-    // A result from before must not stay beside the new one.
-    fs::create_dir(&out).unwrap();
-    fs::write(out.join("route_graph.geojson"), "old").unwrap();
     let output = placegraph(&[&map[..], &[&"--out", &out]].concat());
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert!(stderr(&output).contains("nav2 is left out: "), "{}", stderr(&output));
+    assert!(stderr(&output).contains("nav2 is skipped: "), "{}", stderr(&output));
     let found = names(&out);
     assert!(found.contains(&"graph.dot".to_owned()) && found.contains(&"topology.json".to_owned()));
     assert!(!found.contains(&"route_graph.geojson".to_owned()), "{found:?}");
-    let findings = json(&out.join("topology.json"))["findings"].to_string();
-    assert!(findings.contains("nav2 is left out: "), "{findings}");
+    let skipped = json(&out.join("topology.json"))["skipped"].clone();
+    assert_eq!(skipped[0]["format"], "nav2");
+    assert!(skipped[0]["reason"].as_str().unwrap().contains("route"), "{skipped}");
 
     let both = path("both");
     let office = shipped("office/map.yaml");
@@ -105,11 +109,11 @@ fn a_format_that_cannot_hold_a_map_is_left_out_and_told() {
     assert_eq!(placegraph(&many).status.code(), Some(1));
     assert!(both.join("map/route_graph.geojson").exists());
     let table = fs::read_to_string(both.join("summary.csv")).unwrap();
-    assert!(table.contains("labeled") && table.contains("nav2 is left out"), "{table}");
+    assert!(table.contains("labeled") && table.contains("nav2 is skipped"), "{table}");
     let again = placegraph(&[&many[..], &[&"--resume"]].concat());
     assert_eq!(again.status.code(), Some(1), "what stays tells the same: {}", stderr(&again));
     let table = fs::read_to_string(both.join("summary.csv")).unwrap();
-    assert!(table.contains("kept") && table.contains("nav2 is left out"), "{table}");
+    assert!(table.contains("kept") && table.contains("nav2 is skipped"), "{table}");
 }
 
 #[test]
@@ -306,7 +310,7 @@ fn edits_are_replayed_and_what_does_not_apply_is_told() {
     .unwrap();
     let folder = out.path().join("edited");
     let output = placegraph(&[&"map", &home(), &"--out", &folder, &"--edits", &edits]);
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(1), "an edit does not apply: {}", stderr(&output));
     let told: Vec<String> =
         stderr(&output).lines().filter(|line| line.contains("does not apply")).map(str::to_owned).collect();
     assert_eq!(told.len(), 1, "{told:?}");
@@ -323,12 +327,14 @@ fn edits_are_replayed_and_what_does_not_apply_is_told() {
             .iter()
             .any(|finding| finding.as_str().unwrap().contains("edit 2"))
     );
+    assert_eq!(after["errors"].as_array().unwrap().len(), 1);
 
     // Edited and carried over: the name by hand stays, and nothing is new.
     let again = out.path().join("again");
     let previous = folder.join("topology.json");
-    let changes = done(&[&"map", &home(), &"--out", &again, &"--edits", &edits, &"--previous", &previous]);
-    assert_eq!(changes, "");
+    let output =
+        placegraph(&[&"map", &home(), &"--out", &again, &"--edits", &edits, &"--previous", &previous]);
+    assert_eq!((output.status.code(), output.stdout.as_slice()), (Some(1), &b""[..]));
     assert_eq!(json(&again.join("topology.json"))["places"], after["places"]);
     fs::write(&edits, "[[edit]]\naction = 'paint'\n").unwrap();
     refused(&[&"map", &home(), &"--out", &again, &"--edits", &edits], &["edits.toml", "paint"]);

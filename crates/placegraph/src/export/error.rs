@@ -27,6 +27,20 @@ pub enum ExportError {
         /// The value found.
         found: f64,
     },
+    /// A mask file gives a value to a class that is none.
+    #[error("the mask file names the class {found:?}; the classes are {}", known.join(", "))]
+    UnknownClass {
+        /// The name found.
+        found: String,
+        /// The classes that there are.
+        known: Vec<String>,
+    },
+    /// The main file of a format of several files has another ending.
+    #[error("expected a name that ends in .yaml for a mask's map file, found {found:?}")]
+    MainName {
+        /// The name found.
+        found: String,
+    },
     /// A mask holds at most 100 states.
     #[error("expected at most 100 zones, found {found}: make one zone per class instead")]
     TooManyZones {

@@ -8,6 +8,7 @@ use super::{json_check, json_layout};
 use crate::geom::{EllipseAxes, Point2, Pose2};
 use crate::grid::{FrameError, GridShape, MapFrame, OccupancyGrid};
 use crate::labels::LabelSet;
+use crate::model::sha256_hex;
 use crate::topology::{Connection, Doorway, Place, PolygonWithHoles, Route, TopologicalMap};
 
 /// What the member `format` of every document says.
@@ -46,6 +47,54 @@ pub struct TopologyDocument {
     /// What was noticed about the input, in plain words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub findings: Vec<String>,
+    /// The formats that were asked for and cannot hold this map.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub skipped: Vec<SkippedFormat>,
+    /// Those of the findings that keep the result from being what was asked for: nothing is free, an edit does not
+    /// apply.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub errors: Vec<String>,
+    /// The files that belong to the result, without the document itself.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<FileRecord>,
+    /// SHA-256 of the document as it is written without this member and `timings_ms`, in hexadecimal: what was changed
+    /// since shows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
+}
+
+/// A file of a result.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FileRecord {
+    /// Its name, without folders.
+    pub name: String,
+    /// Its size.
+    pub bytes: u64,
+    /// SHA-256 of its content, in hexadecimal.
+    pub sha256: String,
+}
+
+impl FileRecord {
+    /// What is to be remembered of a file.
+    pub fn of(name: &str, content: &[u8]) -> Self {
+        Self { name: name.to_owned(), bytes: content.len() as u64, sha256: sha256_hex(content) }
+    }
+
+    /// Whether `content` is still that of the file.
+    pub fn matches(&self, content: &[u8]) -> bool {
+        self.bytes == content.len() as u64 && self.sha256 == sha256_hex(content)
+    }
+}
+
+/// A format that cannot hold a map.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SkippedFormat {
+    /// Name of the format.
+    pub format: String,
+    /// Why the map cannot be written in it.
+    pub reason: String,
 }
 
 /// The program that wrote a document.
@@ -174,6 +223,12 @@ pub enum TopologyError {
         /// Its role.
         role: String,
     },
+    /// The name of a file leads elsewhere.
+    #[error("expected the plain name of a file of the result, found {found:?}")]
+    FileName {
+        /// The name found.
+        found: String,
+    },
     /// Something refers to a place that is not there.
     #[error("expected the id of a place in {referrer}, found {found}")]
     UnknownPlace {
@@ -226,7 +281,7 @@ impl MapInfo {
 }
 
 impl TopologyDocument {
-    /// A document of `topology`, without options, timings and findings. Measures are rounded to four decimals (points and areas to nine),
+    /// A document of `topology`, of a result that has neither options nor files yet, and nothing to remark. Measures are rounded to four decimals (points and areas to nine),
     /// so that the same bytes come out when the document is read and written again.
     pub fn new(
         map: MapInfo,
@@ -249,6 +304,10 @@ impl TopologyDocument {
             connections: topology.connections.iter().map(rounded_connection).collect(),
             timings_ms: BTreeMap::new(),
             findings: Vec::new(),
+            skipped: Vec::new(),
+            errors: Vec::new(),
+            files: Vec::new(),
+            sha256: None,
         }
     }
 
@@ -263,6 +322,25 @@ impl TopologyDocument {
     /// If a number is out of the range of JSON; no document made by [`TopologyDocument::new`] has one.
     pub fn to_json(&self) -> Result<String, TopologyError> {
         Ok(json_layout::to_json(self)?)
+    }
+
+    /// Names the hash of the document in it: results that say the same have the same, whenever they were made.
+    ///
+    /// # Errors
+    /// As [`TopologyDocument::to_json`].
+    pub fn seal(&mut self) -> Result<(), TopologyError> {
+        self.sha256 = Some(self.fingerprint()?);
+        Ok(())
+    }
+
+    /// Whether the document says what it said when it was sealed.
+    pub fn is_sealed(&self) -> bool {
+        self.sha256.is_some() && self.fingerprint().ok() == self.sha256
+    }
+
+    fn fingerprint(&self) -> Result<String, TopologyError> {
+        let content = Self { sha256: None, timings_ms: BTreeMap::new(), ..self.clone() };
+        Ok(sha256_hex(content.to_json()?.as_bytes()))
     }
 
     /// Reads a document and checks what other code relies on: ids, order, classes, sizes, and that all points lie in

@@ -14,6 +14,7 @@ pub(super) fn check(document: &TopologyDocument) -> Result<(), TopologyError> {
     let frame = check_map(document)?;
     check_places(document)?;
     check_connections(document)?;
+    check_files(document)?;
     Geometry { document, frame }.check()
 }
 
@@ -47,6 +48,15 @@ fn check_places(document: &TopologyDocument) -> Result<(), TopologyError> {
         }
     }
     Ok(())
+}
+
+/// The names of files have no folders: who cleans up after a document removes nothing elsewhere.
+fn check_files(document: &TopologyDocument) -> Result<(), TopologyError> {
+    let is_plain = |name: &str| !matches!(name, "" | "." | "..") && !name.contains(['/', '\\', '\0']);
+    match document.files.iter().find(|file| !is_plain(&file.name)) {
+        None => Ok(()),
+        Some(file) => Err(TopologyError::FileName { found: file.name.clone() }),
+    }
 }
 
 fn check_connections(document: &TopologyDocument) -> Result<(), TopologyError> {

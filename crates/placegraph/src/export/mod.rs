@@ -3,11 +3,13 @@
 mod canvas;
 mod dot;
 mod error;
+mod formats;
 mod geojson;
 mod graphml;
 mod json;
 mod json_check;
 mod json_layout;
+mod mask_settings;
 mod nav2_masks;
 mod nav2_route;
 mod npy;
@@ -25,11 +27,14 @@ mod yaml;
 
 pub use dot::dot;
 pub use error::ExportError;
+pub use formats::{Export, FORMATS, Format, MAP, formats_markdown};
 pub use geojson::regions_geojson;
 pub use graphml::graphml;
 pub use json::{
-    FORMAT, MAX_DOCUMENT_BYTES, MapInfo, ModelInfo, ProgramInfo, TopologyDocument, TopologyError, VERSION,
+    FORMAT, FileRecord, MAX_DOCUMENT_BYTES, MapInfo, ModelInfo, ProgramInfo, SkippedFormat, TopologyDocument,
+    TopologyError, VERSION,
 };
+pub use mask_settings::MaskSettings;
 pub use nav2_masks::{
     Keepout, MaskFiles, MaskSheet, Rotated, SpeedLimit, ValueOf, ZonePer, keepout_mask, speed_mask,
     vector_shapes, zone_mask,

@@ -5,5 +5,6 @@
 
 mod cited_files;
 mod dependency_order;
+mod exports_page;
 mod features_page;
 mod method_page;

@@ -6,28 +6,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 
-/// Every format, with the files that `map --export` writes for a map called `map`.
-pub(crate) const FORMATS: [(&str, &[&str]); 13] = [
-    ("nav2", &["route_graph.geojson"]),
-    ("nav2-keepout", &["keepout.yaml", "keepout.png", "keepout_params.yaml"]),
-    ("nav2-speed", &["speed.yaml", "speed.png", "speed_params.yaml"]),
-    ("nav2-zones", &["zones.yaml", "zones.png", "zones_params.yaml"]),
-    ("nav2-shapes", &["shapes.yaml"]),
-    ("rmf", &["nav_graph.yaml"]),
-    ("rmf-building", &["map.building.yaml"]),
-    ("tmap2", &["map.tmap2.yaml"]),
-    ("graphml", &["graph.graphml"]),
-    ("dot", &["graph.dot"]),
-    ("geojson", &["regions.geojson"]),
-    ("svg", &["regions.svg"]),
-    ("report", &["report.html"]),
-];
-
-/// Every format, as `--export` takes them.
-pub(crate) fn all_formats() -> String {
-    FORMATS.map(|(format, _)| format).join(",")
-}
-
 /// A file of the example maps.
 pub(crate) fn shipped(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../maps").join(name)

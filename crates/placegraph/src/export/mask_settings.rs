@@ -1,13 +1,9 @@
-//! The mask file: costs, speed limits and zones for Navigation 2's masks.
+//! What the mask file sets: costs, speed limits and zones of Navigation 2's masks.
 
-use std::path::Path;
-
-use anyhow::{Context, Result, ensure};
-use placegraph::export::{Keepout, Rotated, SpeedLimit, ValueOf, ZonePer};
-use placegraph::labels::{LabelSet, Role};
 use serde::Deserialize;
 
-use crate::read;
+use super::{ExportError, Keepout, Rotated, SpeedLimit, ValueOf, ZonePer};
+use crate::labels::{LabelSet, Role};
 
 /// A mask file as written; every part may be left out.
 ///
@@ -23,28 +19,22 @@ use crate::read;
 /// unit = "meters_per_second"  # or "percent"
 /// limit = { class = { doorway = 0.3, corridor = 1.2 } }
 /// ```
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub(crate) struct Masks {
+pub struct MaskSettings {
     /// Where a robot must not go.
-    pub(crate) keepout: Keepout,
-    speed: Option<SpeedLimit>,
+    pub keepout: Keepout,
+    /// How fast it may go; without an entry, half speed in doorways.
+    pub speed: Option<SpeedLimit>,
     /// What a zone is.
-    pub(crate) zones: ZonePer,
-    /// What becomes of a rotated map.
-    pub(crate) rotated: Rotated,
+    pub zones: ZonePer,
+    /// How the mask of a rotated map is made.
+    pub rotated: Rotated,
 }
 
-impl Masks {
-    /// The file at `path`, or what holds without one.
-    pub(crate) fn load(path: Option<&Path>) -> Result<Self> {
-        let Some(path) = path else { return Ok(Self::default()) };
-        let text = read::text(path, "mask file")?;
-        toml::from_str(&text).with_context(|| format!("expected a mask file in {}", path.display()))
-    }
-
+impl MaskSettings {
     /// The speed limits; without any written, half speed in doorways.
-    pub(crate) fn speed(&self, classes: &LabelSet) -> SpeedLimit {
+    pub fn speed(&self, classes: &LabelSet) -> SpeedLimit {
         self.speed.clone().unwrap_or_else(|| {
             let doorways = classes.classes().iter().filter(|class| class.role == Role::Doorway);
             let class = doorways.map(|class| (class.name.clone(), 50.0)).collect();
@@ -53,18 +43,23 @@ impl Masks {
     }
 
     /// Checks that every class with a value exists: a misspelled one would silently have no effect.
-    pub(crate) fn check(&self, classes: &LabelSet) -> Result<()> {
+    ///
+    /// # Errors
+    /// If a class is not one of `classes`.
+    pub fn check(&self, classes: &LabelSet) -> Result<(), ExportError> {
         let limits = match &self.speed {
             Some(SpeedLimit::Percent { limit } | SpeedLimit::MetersPerSecond { limit }) => Some(limit),
             None => None,
         };
-        for name in [Some(&self.keepout.cost), limits].into_iter().flatten().flat_map(|v| v.class.keys()) {
-            ensure!(
-                classes.label(name).is_some(),
-                "expected one of the model's classes in the mask file, found {name:?}"
-            );
+        let mut names =
+            [Some(&self.keepout.cost), limits].into_iter().flatten().flat_map(|values| values.class.keys());
+        match names.find(|name| classes.label(name).is_none()) {
+            None => Ok(()),
+            Some(found) => Err(ExportError::UnknownClass {
+                found: found.clone(),
+                known: classes.classes().iter().map(|class| class.name.clone()).collect(),
+            }),
         }
-        Ok(())
     }
 }
 
@@ -77,16 +72,17 @@ mod tests {
         let text = "zones = 'place'\nrotated = 'resample'\n\
                     [keepout]\nelsewhere = 100\ncost = { class = { doorway = 30 }, place = { 'room 4' = 100 } }\n\
                     [speed]\nunit = 'meters_per_second'\nlimit = { class = { doorway = 0.3, corridor = 1.2 } }\n";
-        let masks: Masks = toml::from_str(text).unwrap();
+        let masks: MaskSettings = toml::from_str(text).unwrap();
         assert_eq!((masks.zones, masks.rotated), (ZonePer::Place, Rotated::Resample));
         masks.check(&LabelSet::default()).unwrap();
-        let wrong: Masks = toml::from_str(&text.replace("corridor", "coridor")).unwrap();
-        assert!(wrong.check(&LabelSet::default()).unwrap_err().to_string().contains("coridor"));
-        assert!(toml::from_str::<Masks>("zone = 'place'").is_err());
+        let wrong: MaskSettings = toml::from_str(&text.replace("corridor", "coridor")).unwrap();
+        let message = wrong.check(&LabelSet::default()).unwrap_err().to_string();
+        assert!(message.contains("coridor") && message.contains("corridor, room, doorway"), "{message}");
+        assert!(toml::from_str::<MaskSettings>("zone = 'place'").is_err());
     }
 
     #[test]
     fn doorways_halve_the_speed_by_default() {
-        assert_eq!(Masks::default().speed(&LabelSet::default()), SpeedLimit::default());
+        assert_eq!(MaskSettings::default().speed(&LabelSet::default()), SpeedLimit::default());
     }
 }
