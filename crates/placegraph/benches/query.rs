@@ -5,7 +5,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use placegraph::geom::Point2;
-use placegraph::grid::{Cell, CellGraph, Grid, GridShape, Occupancy, OccupancyGrid};
+use placegraph::grid::{Cell, FreeSpace, Grid, GridShape, Occupancy, OccupancyGrid};
 use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::regions::{DiagonalSteps, connected};
 use placegraph::topology::query::{PlaceIndex, RouteIndex, find_route};
@@ -30,17 +30,18 @@ fn office() -> (OccupancyGrid, TopologicalMap) {
     let occupancy = letters.iter().map(|&c| if c == b'#' { Occupancy::Occupied } else { Occupancy::Free });
     let cells = Grid::from_rows(width, height, occupancy.collect());
     let grid = OccupancyGrid { cells, ..OccupancyGrid::from_ascii(0.05, ".") };
-    let graph = CellGraph::new(&grid.cells);
+    let space = FreeSpace::of(&grid);
+    let graph = &space.graph;
     let label = |&cell: &Cell| match letters[grid.cells.index(cell)] {
         b'c' => Label(0),
         b'r' => Label(1),
         _ => Label(2),
     };
     let labeling: Vec<Label> = graph.cells().iter().map(label).collect();
-    let regions = connected(&graph, &labeling, DiagonalSteps::default());
+    let regions = connected(graph, &labeling, DiagonalSteps::default());
     let field = LabelField::from_rows(3, vec![1.0 / 3.0; 3 * graph.n_nodes()]);
-    let mut map = build(&graph, &grid.frame, &field, &regions, &LabelSet::default());
-    lay_routes(&mut map, &grid.frame, &graph, &regions);
+    let mut map = build(&space, &field, &regions, &LabelSet::default());
+    lay_routes(&mut map, &space, &regions);
     (grid, map)
 }
 

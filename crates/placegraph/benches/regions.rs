@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "helpers of benches")]
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use placegraph::grid::{Cell, CellGraph, DiagonalSteps, Grid, MapFrame, Occupancy};
+use placegraph::grid::{Cell, CellGraph, DiagonalSteps, FreeSpace, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::regions::{connected, contacts, properties};
 use placegraph::topology::{build, outlines};
@@ -25,25 +25,26 @@ fn regions(criterion: &mut Criterion) {
     let cells = || Grid::filled(4000, 4000, ()).cells();
     let occupancy = cells().map(|cell| label(cell).map_or(Occupancy::Occupied, |_| Occupancy::Free));
     let map = Grid::from_rows(4000, 4000, occupancy.collect());
-    let graph = CellGraph::new(&map);
-    let labeling: Vec<Label> = cells().filter_map(label).collect();
     let frame = MapFrame::new(0.05, placegraph::geom::Pose2::default()).unwrap();
+    let space = FreeSpace { frame, graph: CellGraph::new(&map) };
+    let graph = &space.graph;
+    let labeling: Vec<Label> = cells().filter_map(label).collect();
     let field = LabelField::from_rows(3, [0.5, 0.25, 0.25].repeat(graph.n_nodes()));
     let bytes: Vec<u8> = cells().map(|cell| label(cell).map_or(0, |label| label.0 + 1)).collect();
     maps::dump(4000, 4000, &bytes);
-    let found = connected(&graph, &labeling, DiagonalSteps::default());
+    let found = connected(graph, &labeling, DiagonalSteps::default());
 
     let mut group = criterion.benchmark_group("16 M cells");
     group.sample_size(10).throughput(Throughput::Elements(16_000_000));
     group.bench_function("graph", |bencher| bencher.iter(|| CellGraph::new(&map)));
     group.bench_function("connected", |bencher| {
-        bencher.iter(|| connected(&graph, &labeling, DiagonalSteps::default()));
+        bencher.iter(|| connected(graph, &labeling, DiagonalSteps::default()));
     });
-    group.bench_function("properties", |bencher| bencher.iter(|| properties(&graph, &frame, &found)));
-    group.bench_function("contacts", |bencher| bencher.iter(|| contacts(&graph, &found)));
-    group.bench_function("outlines", |bencher| bencher.iter(|| outlines(&graph, &frame, &found)));
+    group.bench_function("properties", |bencher| bencher.iter(|| properties(&space, &found)));
+    group.bench_function("contacts", |bencher| bencher.iter(|| contacts(graph, &found)));
+    group.bench_function("outlines", |bencher| bencher.iter(|| outlines(&space, &found)));
     group.bench_function("topological map, routes and all", |bencher| {
-        bencher.iter(|| build(&graph, &frame, &field, &found, &LabelSet::default()));
+        bencher.iter(|| build(&space, &field, &found, &LabelSet::default()));
     });
     group.finish();
 }

@@ -14,7 +14,7 @@ use imageproc::definitions::Image;
 use imageproc::region_labelling::connected_components;
 use placegraph::doorways::{self, DoorwayConfig};
 use placegraph::export;
-use placegraph::grid::{Cell, CellGraph, OccupancyGrid};
+use placegraph::grid::{Cell, CellGraph, FreeSpace, OccupancyGrid};
 use placegraph::import::{ReadOptions, load_map};
 use placegraph::labels::{Label, LabelField, Labeling};
 use placegraph::model::Model;
@@ -32,7 +32,6 @@ use maps::{dump, is_door, office};
 
 /// Widths of the maps: 20 000, 300 000 and a million cells.
 const WIDTHS: [u32; 3] = [160, 640, 1160];
-const RESOLUTION_M: f64 = 0.05;
 
 fn model() -> Model {
     Model::from_json(include_bytes!("../../placegraph-cli/assets/default.model.json")).unwrap()
@@ -60,17 +59,18 @@ fn stages(criterion: &mut Criterion) {
     let set = model().label_set;
     for width in WIDTHS {
         let grid = office(width);
-        let graph = CellGraph::new(&grid.cells);
+        let space = FreeSpace::of(&grid);
+        let graph = &space.graph;
         let n = graph.n_nodes();
-        let labeling = labels(&graph);
+        let labeling = labels(graph);
         let field = field(&labeling);
-        let regions = connected(&graph, &labeling, DiagonalSteps::default());
-        let topology = topology::build(&graph, &grid.frame, &field, &regions, &set);
+        let regions = connected(graph, &labeling, DiagonalSteps::default());
+        let topology = topology::build(&space, &field, &regions, &set);
         let image = Image::from_fn(grid.cells.width(), grid.cells.height(), |x, y| {
             image::Luma([graph.node_at(Cell::new(x, y)).map_or(0, |node| labeling[node].0 + 1)])
         });
         dump(image.width(), image.height(), image.as_raw());
-        let as_graph = twins::cells_as_graph(&graph);
+        let as_graph = twins::cells_as_graph(graph);
         let mut group = criterion.benchmark_group("stages");
         group.sample_size(10).sampling_mode(SamplingMode::Flat).throughput(Throughput::Elements(n as u64));
         let mut bench = |name: &str, run: &dyn Fn()| {
@@ -78,8 +78,8 @@ fn stages(criterion: &mut Criterion) {
         };
         bench("graph", &|| drop(CellGraph::new(&grid.cells)));
         bench("graph, hash map", &|| drop(twins::numbered(&grid.cells)));
-        bench("regions", &|| drop(connected(&graph, &labeling, DiagonalSteps::default())));
-        bench("regions, flood fill", &|| drop(flood_fill(&graph, &labeling, DiagonalSteps::default())));
+        bench("regions", &|| drop(connected(graph, &labeling, DiagonalSteps::default())));
+        bench("regions, flood fill", &|| drop(flood_fill(graph, &labeling, DiagonalSteps::default())));
         bench("regions, imageproc", &|| {
             drop(connected_components(
                 &image,
@@ -87,29 +87,29 @@ fn stages(criterion: &mut Criterion) {
                 image::Luma([0]),
             ));
         });
-        bench("region statistics", &|| drop(properties(&graph, &grid.frame, &regions)));
-        bench("region statistics, cell by cell", &|| drop(twins::statistics(&graph, &regions)));
+        bench("region statistics", &|| drop(properties(&space, &regions)));
+        bench("region statistics, cell by cell", &|| drop(twins::statistics(graph, &regions)));
         bench("doorways", &|| {
             let config = DoorwayConfig::default();
-            drop(doorways::mark(&graph, RESOLUTION_M, &field, &labeling, &set, &config));
+            drop(doorways::mark(&space, &field, &labeling, &set, &config));
         });
         bench("doorways, saddles alone by flooding (imageproc, petgraph)", &|| {
             std::hint::black_box(twins::flooded(&image));
         });
-        let settle = |config| drop(spaces::settle(&graph, RESOLUTION_M, &field, &labeling, &set, &config));
-        bench("spaces", &|| settle(SpaceConfig::default()));
-        bench("spaces, in tiles", &|| settle(SpaceConfig { max_cut: 0, ..SpaceConfig::default() }));
+        let label = |config| drop(spaces::label(&space, &field, &labeling, &set, &config));
+        bench("spaces", &|| label(SpaceConfig::default()));
+        bench("spaces, in tiles", &|| label(SpaceConfig { max_cut: 0, ..SpaceConfig::default() }));
         bench("topology and outlines", &|| {
-            drop(topology::build(&graph, &grid.frame, &field, &regions, &set));
+            drop(topology::build(&space, &field, &regions, &set));
         });
         bench("topology and outlines, petgraph's Dijkstra alone", &|| {
             std::hint::black_box(twins::shortest_ways(&as_graph));
         });
-        bench("outlines", &|| drop(topology::outlines(&graph, &grid.frame, &regions)));
+        bench("outlines", &|| drop(topology::outlines(&space, &regions)));
         bench("outlines, imageproc", &|| {
             std::hint::black_box(twins::contours(&image, 3));
         });
-        bench("labels.png", &|| drop(export::label_png(&graph, &labeling)));
+        bench("labels.png", &|| drop(export::label_png(graph, &labeling)));
         bench("labels.png, zlib's usual effort", &|| drop(twins::deflated_png(&image)));
         bench("overview.png", &|| drop(export::overview_png(&grid, &labeling, &set, &topology, "office")));
         // As many pixels a cell as the overview has.

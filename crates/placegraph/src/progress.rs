@@ -6,14 +6,24 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[non_exhaustive]
 pub enum Stage {
-    /// Scans are simulated, features computed and cells classified.
+    /// Scans are simulated, features computed and cells classified (Sect. 4.2 to 4.4, or 4.6.1).
     Classify,
-    /// Relaxation labeling, or the network's inference.
+    /// Relaxation labeling (Sect. 4.5), or the network's inference (Sect. 4.6).
     Smooth,
-    /// Regions are formed and corrected.
+    /// Narrow passages become doorways (not in the chapter).
+    Doorways,
+    /// The spaces between doorways are labeled as a whole (not in the chapter).
+    Spaces,
+    /// Regions are formed (Sect. 4.7).
+    Regions,
+    /// Regions that are too small are relabeled (Sect. 4.7).
     Correct,
-    /// The topological map is built.
+    /// Corrections by hand are applied.
+    Edits,
+    /// The topological map is built (Sect. 4.7).
     Topology,
+    /// Places keep the numbers and names of an earlier result.
+    Identity,
     /// Training: features of the labeled cells.
     Features,
     /// Training: boosting, one classifier per class.
@@ -32,8 +42,13 @@ impl Stage {
         match self {
             Self::Classify => "classify",
             Self::Smooth => "smooth",
+            Self::Doorways => "doorways",
+            Self::Spaces => "spaces",
+            Self::Regions => "regions",
             Self::Correct => "correct",
+            Self::Edits => "edits",
             Self::Topology => "topology",
+            Self::Identity => "identity",
             Self::Features => "features",
             Self::Boost => "boost",
             Self::Validate => "validate",

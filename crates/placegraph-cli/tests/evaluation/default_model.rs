@@ -78,7 +78,7 @@ fn cell_scores(folder: &Path) -> CellScores {
         LabelCell::None | LabelCell::Ignore => None,
     });
     let mut found: Grid<Option<Label>> = Grid::filled(size.0, size.1, None);
-    for (&cell, &label) in analysis.graph.cells().iter().zip(&analysis.labeling) {
+    for (&cell, &label) in analysis.space.graph.cells().iter().zip(&analysis.labeling) {
         found[cell] = Some(label);
     }
     Confusion::count(&found, &truth, &set).scores(&set)
@@ -89,7 +89,7 @@ fn rooms(folder: &Path) -> RoomScores {
     let analysis = labeled(&map);
     let image = std::fs::read(folder.join("rooms.png")).unwrap();
     let rooms = import::read_rooms(&image, (map.cells.width(), map.cells.height())).unwrap();
-    room_scores(&analysis.graph, &analysis.regions, &model().label_set, &rooms.map(|&id| id.into()))
+    room_scores(&analysis.space.graph, &analysis.regions, &model().label_set, &rooms.map(|&id| id.into()))
 }
 
 fn mean(values: impl Iterator<Item = f64>) -> f64 {
@@ -202,9 +202,9 @@ impl Redrawn {
     fn agreement(&self, original: &Analysis) -> f64 {
         let found = labeled(&self.grid);
         let (mut same, mut both) = (0.0, 0.0);
-        for (&cell, label) in original.graph.cells().iter().zip(&original.labeling) {
+        for (&cell, label) in original.space.graph.cells().iter().zip(&original.labeling) {
             let there = cell_at(&self.grid.cells, self.redrawn(cell));
-            if let Some(node) = there.and_then(|cell| found.graph.node_at(cell)) {
+            if let Some(node) = there.and_then(|cell| found.space.graph.node_at(cell)) {
                 both += 1.0;
                 same += f64::from(u8::from(found.labeling[node] == *label));
             }

@@ -12,7 +12,7 @@ use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Occupancy, OccupancyGrid
 use placegraph::import::{LabelCell, LabelCoding, read_labels};
 use placegraph::labels::{Label, LabelSet, Labeling};
 use placegraph::model::{BoostedModel, Method, Model};
-use placegraph::pipeline::{Analysis, Config, Correction, Doorways, analyze};
+use placegraph::pipeline::{Analysis, Config, analyze, classify};
 use placegraph::progress::Silent;
 use placegraph::regions::{DiagonalSteps, connected, correct};
 use placegraph::relax::Compatibility;
@@ -86,7 +86,7 @@ struct Stages([(&'static str, Grid<Option<Label>>); 3]);
 impl Stages {
     fn of(map: &OccupancyGrid, model: &Model) -> Self {
         let found = run(map, model);
-        let grid = |labels: &[Label]| on_cells(&found.graph, labels);
+        let grid = |labels: &[Label]| on_cells(&found.space.graph, labels);
         Self([
             ("classified", grid(&found.classified)),
             ("smoothed", grid(&found.smoothed.most_likely())),
@@ -264,7 +264,7 @@ fn fields_are_distributions_and_regions_partition_the_free_cells() {
     let model = model();
     for map in buildings(2) {
         let found = run(&map, &model);
-        let classified = model.label(&map, &found.graph, &Silent).classified;
+        let classified = classify(&map, &found.space, &model, &Silent).field;
         for field in [&classified, &found.smoothed] {
             for node in 0..field.n_nodes() {
                 let row = field.row(node);
@@ -294,16 +294,15 @@ fn fields_are_distributions_and_regions_partition_the_free_cells() {
 fn correcting_twice_is_correcting_once() {
     let model = model();
     for map in buildings(3) {
-        let raw = Config { doorways: Doorways::Skip, correction: Correction::Skip, ..Config::default() };
+        let raw = Config { correction: false, ..Config::chapter() };
         let found = analyze(&map, &model, &raw, &Silent);
-        let resolution_m = map.frame.resolution_m();
-        let once = correct(&found.graph, resolution_m, &found.regions, &model.label_set, &model.thresholds);
-        let twice = correct(&found.graph, resolution_m, &once.regions, &model.label_set, &model.thresholds);
+        let once = correct(&found.space, &found.regions, &model.label_set, &model.thresholds);
+        let twice = correct(&found.space, &once.regions, &model.label_set, &model.thresholds);
         assert_eq!(once.regions, twice.regions);
         assert_eq!((twice.places.n_regions, twice.doorways.n_regions), (0, 0));
         // The same from the labels alone.
-        let again = connected(&found.graph, &once.regions.labeling(), DiagonalSteps::default());
-        let again = correct(&found.graph, resolution_m, &again, &model.label_set, &model.thresholds);
+        let again = connected(&found.space.graph, &once.regions.labeling(), DiagonalSteps::default());
+        let again = correct(&found.space, &again, &model.label_set, &model.thresholds);
         assert_eq!(again.regions.labeling(), once.regions.labeling());
     }
 }
@@ -320,17 +319,17 @@ fn what_is_written_is_read_and_written_again_with_the_same_bytes() {
         let read = TopologyDocument::from_json(text.as_bytes()).unwrap();
         assert_eq!(read.to_json().unwrap(), text);
 
-        let png = label_png(&found.graph, &found.labeling);
+        let png = label_png(&found.space.graph, &found.labeling);
         let size = (map.cells.width(), map.cells.height());
         let cells = read_labels(&png, size, &LabelCoding::of(&model.label_set)).unwrap();
-        let labels: Labeling = (found.graph.cells().iter())
+        let labels: Labeling = (found.space.graph.cells().iter())
             .map(|&cell| match cells[cell] {
                 LabelCell::Class(label) => label,
                 other => panic!("a label in every free cell, found {other:?}"),
             })
             .collect();
         assert_eq!(labels, found.labeling);
-        assert_eq!(label_png(&found.graph, &labels), png);
+        assert_eq!(label_png(&found.space.graph, &labels), png);
     }
 }
 

@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::confidence;
-use super::infer;
+use super::infer::{self, Potentials};
 use super::model::Weights;
 use super::model_file::IamnFile;
 use super::nearest::Exemplars;
@@ -38,7 +38,7 @@ pub struct IamnModel {
     pub weights: Weights,
     /// Which cells share an edge.
     pub connectivity: Connectivity,
-    /// Confidences are softened by this, see [`label`].
+    /// Confidences are softened by this, see [`IamnModel::infer`].
     pub temperature: f64,
 }
 
@@ -121,6 +121,31 @@ impl IamnModel {
         }
         distances
     }
+
+    /// The potentials of nodes whose node features are the rows of `features`.
+    pub fn potentials(&self, features: &[f32]) -> Potentials {
+        self.weights.potentials(features, self.connectivity)
+    }
+
+    /// Distribution of every node's label by its own potentials, p_i(k) ∝ exp(θ_i(k) / T).
+    pub fn alone(&self, potentials: &Potentials) -> LabelField {
+        confidence::field(&potentials.node, self.weights.n_labels(), self.temperature)
+    }
+
+    /// The labeling of `graph` that maximizes Eq. (4.9), and how sure each label is.
+    ///
+    /// The distribution of a node is that of its label given the labels found around it, p_i(k) ∝ exp((θ_i(k) + Σ_j λ(k)
+    /// [y_j = k]) / T), with T fitted to held-out parts of the training maps. It is conditional, so it knows no doubt about a
+    /// whole wrong region; its most probable label is the labeling's, save for ties.
+    ///
+    /// # Panics
+    /// If potentials and nodes differ in number.
+    pub fn infer(&self, graph: &CellGraph, potentials: &Potentials) -> (Labeling, LabelField) {
+        let labeling = infer::expand_from_all(graph, potentials);
+        let scores = confidence::conditional_scores(graph, potentials, &labeling);
+        let field = confidence::field(&scores, self.weights.n_labels(), self.temperature);
+        (labeling, field)
+    }
 }
 
 /// Distances and scores of every node side by side: the node features of Eq. (4.9). `distances` has `n_distances`
@@ -136,14 +161,12 @@ pub fn side_by_side(distances: Vec<f32>, n_distances: usize, scores: &[f32]) -> 
 
 /// What a network says of the nodes of a map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Labeled {
+pub struct NetworkLabels {
     /// The labeling that maximizes Eq. (4.9).
     pub labeling: Labeling,
-    /// Distribution of every node's label by its own potentials, p_i(k) ∝ exp(θ_i(k) / T).
+    /// Distribution of every node by its own potentials, [`IamnModel::alone`].
     pub alone: LabelField,
-    /// Distribution of every node's label given the labels found around it, p_i(k) ∝ exp((θ_i(k) + Σ_j λ(k) [y_j = k])
-    /// / T), with T fitted to held-out parts of the training maps. It is conditional, so it knows no doubt about a whole
-    /// wrong region; its most probable label is the labeling's, save for ties.
+    /// Distribution of every node given the labels found around it, [`IamnModel::infer`].
     pub field: LabelField,
 }
 
@@ -151,14 +174,8 @@ pub struct Labeled {
 ///
 /// # Panics
 /// If rows and nodes differ in number.
-pub fn label(graph: &CellGraph, features: &[f32], model: &IamnModel) -> Labeled {
-    let n_labels = model.weights.n_labels();
-    let potentials = model.weights.potentials(features, model.connectivity);
-    let labeling = infer::expand_from_all(graph, &potentials);
-    let scores = confidence::conditional_scores(graph, &potentials, &labeling);
-    Labeled {
-        alone: confidence::field(&potentials.node, n_labels, model.temperature),
-        field: confidence::field(&scores, n_labels, model.temperature),
-        labeling,
-    }
+pub fn label(graph: &CellGraph, features: &[f32], model: &IamnModel) -> NetworkLabels {
+    let potentials = model.potentials(features);
+    let (labeling, field) = model.infer(graph, &potentials);
+    NetworkLabels { labeling, alone: model.alone(&potentials), field }
 }

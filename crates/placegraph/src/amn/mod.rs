@@ -13,6 +13,6 @@ mod train;
 mod working_set;
 
 pub use cells::{LabeledCells, TrainingMap};
-pub use iamn::{IamnModel, Labeled, Standardization, label, side_by_side};
+pub use iamn::{IamnModel, NetworkLabels, Standardization, label, side_by_side};
 pub use model_file::IamnFileError;
 pub use train::{IamnConfig, IamnReport, Validated, train};

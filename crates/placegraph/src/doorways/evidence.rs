@@ -27,9 +27,9 @@ impl Evidence<'_> {
         let cells = |meters: f64| meters / self.resolution_m;
         let config = self.config;
         let walks = Walks {
-            near: cells(0.6),
-            far: cells(1.0),
-            labels: (cells(0.4), cells(1.5)),
+            near: cells(config.walks.near_m),
+            far: cells(config.walks.far_m),
+            labels: config.walks.labels_m.map(cells).into(),
             bypass: cells(config.clear.min_bypass_m.max(config.plausible.min_bypass_m)),
         };
         let mut sides = Sides::of(cleared, clearance, gate, &walks);

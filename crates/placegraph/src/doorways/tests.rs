@@ -2,8 +2,8 @@ use super::gate::Gate;
 use super::saddles::squared_clearance;
 use super::sides::{Sides, Walks};
 use super::{DoorwayConfig, mark};
-use crate::geom::{Point2, Vec2};
-use crate::grid::{Cell, CellGraph, Grid, Occupancy};
+use crate::geom::{Point2, Pose2, Vec2};
+use crate::grid::{Cell, CellGraph, FreeSpace, Grid, MapFrame, Occupancy};
 use crate::labels::{Class, Label, LabelField, LabelSet, Role};
 
 const RESOLUTION_M: f64 = 0.1;
@@ -22,11 +22,15 @@ fn map(width: u32, height: u32, is_wall: impl Fn(u32, u32) -> bool) -> CellGraph
     CellGraph::new(&cells)
 }
 
+fn space(graph: &CellGraph) -> FreeSpace {
+    FreeSpace { frame: MapFrame::new(RESOLUTION_M, Pose2::default()).unwrap(), graph: graph.clone() }
+}
+
 /// The cells marked as doorway where everything was labeled room.
 fn doorways(graph: &CellGraph) -> Vec<Cell> {
     let field = LabelField::from_rows(3, [0.0, 1.0, 0.0].repeat(graph.n_nodes()));
     let labels = vec![ROOM; graph.n_nodes()];
-    let marked = mark(graph, RESOLUTION_M, &field, &labels, &LabelSet::default(), &DoorwayConfig::default());
+    let marked = mark(&space(graph), &field, &labels, &LabelSet::default(), &DoorwayConfig::default());
     let nodes = marked.iter().enumerate().filter(|(_, label)| **label == DOORWAY);
     nodes.map(|(node, _)| graph.cells()[node]).collect()
 }
@@ -88,7 +92,7 @@ fn without_a_doorway_class_nothing_changes() {
     let set = LabelSet::new(vec![class("a"), class("b")]).unwrap();
     let field = LabelField::from_rows(2, [0.5, 0.5].repeat(graph.n_nodes()));
     let labels = vec![Label(1); graph.n_nodes()];
-    assert_eq!(mark(&graph, RESOLUTION_M, &field, &labels, &set, &DoorwayConfig::default()), labels);
+    assert_eq!(mark(&space(&graph), &field, &labels, &set, &DoorwayConfig::default()), labels);
 }
 
 #[test]
@@ -97,7 +101,7 @@ fn what_is_no_doorway_takes_its_next_best_label() {
     let field = LabelField::from_rows(3, [0.1, 0.3, 0.6].repeat(graph.n_nodes()));
     let everything = vec![DOORWAY; graph.n_nodes()];
     let config = DoorwayConfig::default();
-    let marked = mark(&graph, RESOLUTION_M, &field, &everything, &LabelSet::default(), &config);
+    let marked = mark(&space(&graph), &field, &everything, &LabelSet::default(), &config);
     assert_eq!(marked.iter().filter(|label| **label == DOORWAY).count(), doorways(&graph).len());
     assert!(marked.iter().all(|label| [ROOM, DOORWAY].contains(label)));
 }
@@ -126,11 +130,11 @@ fn a_plausible_gate_is_a_doorway_where_the_labels_support_it() {
     let field = LabelField::from_rows(3, rows.collect());
     let labels = field.most_likely();
     let config = DoorwayConfig::default();
-    let marked = mark(&graph, RESOLUTION_M, &field, &labels, &LabelSet::default(), &config);
+    let marked = mark(&space(&graph), &field, &labels, &LabelSet::default(), &config);
     let n_doorway = marked.iter().filter(|label| **label == DOORWAY).count();
     assert!(n_doorway >= 9 * 5, "a corridor on one side, a room on the other: {n_doorway}");
     let undecided = LabelField::from_rows(3, [0.5, 0.5, 0.0].repeat(graph.n_nodes()));
-    let marked = mark(&graph, RESOLUTION_M, &undecided, &labels, &LabelSet::default(), &config);
+    let marked = mark(&space(&graph), &undecided, &labels, &LabelSet::default(), &config);
     assert!(marked.iter().all(|label| *label != DOORWAY));
 }
 

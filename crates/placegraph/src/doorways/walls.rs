@@ -5,30 +5,27 @@
 //! it lies.
 
 use super::gate::{Gate, center_of};
-use super::paint;
+use super::{WallConfig, paint};
 use crate::geom::Vec2;
 use crate::grid::{Cell, CellGraph};
 
-/// The walls that are looked at reach this far from the center of a gate, in meters.
-const RADIUS_M: f64 = 2.5;
-/// The gradient of the clearance is taken from this far to that far from a wall, in cells: nearer it is ragged, farther
-/// it belongs to what is beyond.
-const FROM_WALL: std::ops::RangeInclusive<f64> = 1.5..=6.0;
-/// Least agreement of the directions, 0 to 1: 0 for a round room, 1 for straight walls at right angles.
-const MIN_AGREEMENT: f64 = 0.4;
 /// Steps of a sum per unit.
 const STEPS: f64 = (1u64 << 40) as f64;
-/// A gate is turned by at most this angle: what lies more askew is a door in another wall.
-const MAX_TURN_RAD: f64 = 25.0 * std::f64::consts::PI / 180.0;
-
 /// `gate` turned about its center into the direction of the walls around it, where they agree on one.
-pub(super) fn aligned(graph: &CellGraph, clearance: &[u32], resolution_m: f64, gate: Gate) -> Gate {
-    let Some(walls) = direction(graph, clearance, &gate, RADIUS_M / resolution_m) else { return gate };
+pub(super) fn aligned(
+    graph: &CellGraph,
+    clearance: &[u32],
+    resolution_m: f64,
+    config: &WallConfig,
+    gate: Gate,
+) -> Gate {
+    let radius = config.radius_m / resolution_m;
+    let Some(walls) = direction(graph, clearance, &gate, config, radius) else { return gate };
     // The turn to the nearest of the four directions at right angles, from the gate's own: in a map that is turned by
     // a quarter it is the same to the last bit.
     let own = fourth_power(gate.across);
     let turn_rad = own.cross(walls).atan2(own.dot(walls)) / 4.0;
-    if turn_rad.abs() > MAX_TURN_RAD {
+    if turn_rad.abs() > config.max_turn_deg * std::f64::consts::PI / 180.0 {
         return gate;
     }
     let (sin, cos) = turn_rad.sin_cos();
@@ -45,7 +42,14 @@ fn fourth_power(v: Vec2) -> Vec2 {
 
 /// The direction of the walls within `radius` cells, as the mean of g⁴ over the unit gradients g of the clearance, as
 /// complex numbers. `None` if they do not agree.
-fn direction(graph: &CellGraph, clearance: &[u32], gate: &Gate, radius: f64) -> Option<Vec2> {
+fn direction(
+    graph: &CellGraph,
+    clearance: &[u32],
+    gate: &Gate,
+    config: &WallConfig,
+    radius: f64,
+) -> Option<Vec2> {
+    let [near, far] = config.from_wall_cells;
     let height = |node: usize| (clearance[node] as f64).sqrt();
     let gradient = |cell: Cell| {
         let at = |step| graph.node_beside(cell, step).map(height);
@@ -55,7 +59,7 @@ fn direction(graph: &CellGraph, clearance: &[u32], gate: &Gate, radius: f64) -> 
     let (mut sum, mut n) = ([0i64; 2], 0i64);
     for cell in paint::cells_within(graph, gate, radius) {
         let Some(node) = graph.node_at(cell) else { continue };
-        if center_of(cell).distance(gate.center) > radius || !FROM_WALL.contains(&height(node)) {
+        if center_of(cell).distance(gate.center) > radius || !(near..=far).contains(&height(node)) {
             continue;
         }
         let Some(gradient) = gradient(cell).filter(|g| g.length() > 0.0) else { continue };
@@ -65,7 +69,7 @@ fn direction(graph: &CellGraph, clearance: &[u32], gate: &Gate, radius: f64) -> 
     }
     let mean = |sum: i64| sum as f64 / (n as f64 * STEPS);
     let mean = (n > 0).then(|| Vec2::new(mean(sum[0]), mean(sum[1])))?;
-    (mean.length() >= MIN_AGREEMENT).then_some(mean)
+    (mean.length() >= config.min_agreement).then_some(mean)
 }
 
 #[cfg(test)]
@@ -90,7 +94,7 @@ mod tests {
     fn turned(graph: &CellGraph, angle_rad: f64) -> Gate {
         let across = Vec2::new(angle_rad.cos(), angle_rad.sin());
         let gate = Gate { center: Point2::new(40.0, 40.0), across, width: 10.0, depth: 2.0 };
-        aligned(graph, &squared_clearance(graph), 0.1, gate)
+        aligned(graph, &squared_clearance(graph), 0.1, &WallConfig::default(), gate)
     }
 
     #[test]

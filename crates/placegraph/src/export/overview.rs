@@ -135,7 +135,7 @@ pub(super) fn encode(width: u32, height: u32, bands: impl Iterator<Item = Pixmap
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::CellGraph;
+    use crate::grid::FreeSpace;
     use crate::labels::LabelField;
     use crate::regions::{DiagonalSteps, connected};
     use crate::topology;
@@ -146,11 +146,11 @@ mod tests {
         let wall = "#".repeat(120);
         let drawing: Vec<&str> = (0..50).map(|y| if y % 49 == 0 { &wall } else { &row }.as_str()).collect();
         let grid = OccupancyGrid::from_ascii(0.1, &drawing.join("\n"));
-        let (graph, set) = (CellGraph::new(&grid.cells), LabelSet::default());
-        let labels: Vec<Label> = graph.cells().iter().map(|cell| Label((cell.x / 50) as u8)).collect();
-        let regions = connected(&graph, &labels, DiagonalSteps::default());
+        let (space, set) = (FreeSpace::of(&grid), LabelSet::default());
+        let labels: Vec<Label> = space.graph.cells().iter().map(|cell| Label((cell.x / 50) as u8)).collect();
+        let regions = connected(&space.graph, &labels, DiagonalSteps::default());
         let field = LabelField::from_rows(3, [0.5, 0.25, 0.25].repeat(labels.len()));
-        let map = topology::build(&graph, &grid.frame, &field, &regions, &set);
+        let map = topology::build(&space, &field, &regions, &set);
         let png = in_bands(&grid, &labels, &set, &map, "in bands", band_px);
         image::load_from_memory(&png).unwrap().to_rgb8()
     }

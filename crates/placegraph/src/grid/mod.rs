@@ -7,6 +7,7 @@ mod cell_graph;
 mod clearance;
 mod disjoint_sets;
 mod frame;
+mod free_space;
 #[expect(clippy::module_inception, reason = "the module's main type")]
 mod grid;
 mod neighbors;
@@ -20,6 +21,7 @@ pub(crate) use cell_graph::NO_NODE;
 pub(crate) use clearance::squared_clearances;
 pub(crate) use disjoint_sets::DisjointSets;
 pub use frame::{FrameError, MAX_ORIGIN, MAX_RESOLUTION_M, MIN_RESOLUTION_M, MapFrame};
+pub use free_space::FreeSpace;
 pub use grid::{Cell, Grid};
 pub use neighbors::{Connectivity, DiagonalSteps};
 pub use obstacles::Obstacles;

@@ -2,7 +2,6 @@
 
 mod file;
 mod hash;
-mod label;
 mod network;
 mod record;
 
@@ -14,7 +13,6 @@ use crate::scan::ScanConfig;
 
 pub use file::{FORMAT, MAX_BYTES, ModelError, VERSION};
 pub use hash::sha256_hex;
-pub use label::Labeled;
 pub use network::{NetworkModel, log_confidences};
 pub use record::{ChoiceRecord, MapRecord, NetworkRecord, OrderRecord, TrainingRecord, ValidationRecord};
 

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BinaryHeap};
 use serde::{Deserialize, Serialize};
 
 use super::{Region, RegionId, RegionMap, contacts};
-use crate::grid::{CellGraph, DisjointSets};
+use crate::grid::{CellGraph, DisjointSets, FreeSpace};
 use crate::labels::{Label, LabelSet, Role};
 
 /// When a region is too small for its class. The defaults are the chapter's.
@@ -63,19 +63,18 @@ pub struct Corrected {
 
 /// Relabels every region that breaks a rule of Sect. 4.7, until none is left.
 ///
-/// `resolution_m` is the side of a cell. Correcting the result again changes nothing.
+/// Correcting the result again changes nothing.
 ///
 /// # Panics
-/// If `regions` do not belong to `graph`, or a label is not of `label_set`.
+/// If `regions` do not belong to `space`, or a label is not of `label_set`.
 pub fn correct(
-    graph: &CellGraph,
-    resolution_m: f64,
+    space: &FreeSpace,
     regions: &RegionMap,
     label_set: &LabelSet,
     thresholds: &Thresholds,
 ) -> Corrected {
-    let mut partition = Partition::new(graph, regions);
-    let is_wrong = |part: &Part| is_wrong(part, resolution_m, label_set, thresholds);
+    let mut partition = Partition::new(&space.graph, regions);
+    let is_wrong = |part: &Part| is_wrong(part, space.resolution_m(), label_set, thresholds);
     let mut queue: BinaryHeap<_> =
         partition.parts.iter().filter(|part| is_wrong(part)).map(|part| Reverse(part.key())).collect();
     let (mut places, mut doorways) = (Relabeled::default(), Relabeled::default());

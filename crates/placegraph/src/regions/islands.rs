@@ -10,17 +10,17 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
 use super::{RegionId, RegionMap, contacts};
-use crate::grid::{Cell, CellGraph};
+use crate::grid::{Cell, CellGraph, FreeSpace};
 use crate::labels::Label;
 
-/// The regions without neighbors that are smaller than `min_m2`, but none if all regions are. `resolution_m` is the
-/// side of a cell. Cost: that of [`contacts`].
-pub fn islands(graph: &CellGraph, resolution_m: f64, regions: &RegionMap, min_m2: f64) -> Vec<RegionId> {
+/// The regions without neighbors that are smaller than `min_m2`, but none if all regions are. Cost: that of [`contacts`].
+pub fn islands(space: &FreeSpace, regions: &RegionMap, min_m2: f64) -> Vec<RegionId> {
     let mut is_alone = vec![true; regions.regions.len()];
-    for contact in contacts(graph, regions) {
+    for contact in contacts(&space.graph, regions) {
         is_alone[contact.a.index()] = false;
         is_alone[contact.b.index()] = false;
     }
+    let resolution_m = space.resolution_m();
     let is_small = |n_cells: u32| n_cells as f64 * resolution_m * resolution_m < min_m2;
     let found: Vec<RegionId> = (0..regions.regions.len())
         .filter(|&id| is_alone[id] && is_small(regions.regions[id].n_cells))
@@ -106,14 +106,14 @@ mod tests {
 
     #[test]
     fn small_regions_without_neighbors_are_islands() {
-        let graph = CellGraph::new(&OccupancyGrid::from_ascii(0.5, MAP).cells);
-        let regions = regions(&graph);
-        let of = |x, y| regions.region_of[graph.node_at(Cell::new(x, y)).unwrap()];
+        let space = FreeSpace::of(&OccupancyGrid::from_ascii(0.5, MAP));
+        let regions = regions(&space.graph);
+        let of = |x, y| regions.region_of[space.graph.node_at(Cell::new(x, y)).unwrap()];
         // Areas: 0.5 m² in column 3, 0.25 m² in column 5 and in the corner.
-        assert_eq!(islands(&graph, 0.5, &regions, 0.3), [of(5, 1), of(11, 3)]);
-        assert_eq!(islands(&graph, 0.5, &regions, 0.6), [of(3, 1), of(5, 1), of(11, 3)]);
-        assert_eq!(islands(&graph, 0.5, &regions, 0.0), []);
-        assert_eq!(islands(&graph, 0.5, &regions, 100.0), [], "a map of specks alone keeps them");
+        assert_eq!(islands(&space, &regions, 0.3), [of(5, 1), of(11, 3)]);
+        assert_eq!(islands(&space, &regions, 0.6), [of(3, 1), of(5, 1), of(11, 3)]);
+        assert_eq!(islands(&space, &regions, 0.0), []);
+        assert_eq!(islands(&space, &regions, 100.0), [], "a map of specks alone keeps them");
     }
 
     #[test]

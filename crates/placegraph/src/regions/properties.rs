@@ -5,7 +5,7 @@
 
 use super::RegionMap;
 use crate::geom::{EllipseAxes, Point2};
-use crate::grid::{CellGraph, MapFrame, Runs};
+use crate::grid::{FreeSpace, MapFrame, Runs};
 
 /// Measures of a region, in the map frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,12 +30,12 @@ struct Sums {
 }
 
 /// The measures of every region, in the order of [`RegionMap::regions`].
-pub fn properties(graph: &CellGraph, frame: &MapFrame, regions: &RegionMap) -> Vec<RegionProperties> {
+pub fn properties(space: &FreeSpace, regions: &RegionMap) -> Vec<RegionProperties> {
     let mut sums = vec![Sums::default(); regions.regions.len()];
-    for run in Runs::new(graph, |node| regions.region_of[node].0).all() {
+    for run in Runs::new(&space.graph, |node| regions.region_of[node].0).all() {
         sums[run.value as usize].add_run(run.start as i128, run.end as i128, run.y as i128);
     }
-    sums.iter().map(|sums| sums.properties(frame)).collect()
+    sums.iter().map(|sums| sums.properties(&space.frame)).collect()
 }
 
 impl Sums {
@@ -77,7 +77,7 @@ impl Sums {
 mod tests {
     use super::*;
     use crate::geom::Pose2;
-    use crate::grid::OccupancyGrid;
+    use crate::grid::{CellGraph, OccupancyGrid};
     use crate::labels::Label;
     use crate::regions::{DiagonalSteps, connected};
 
@@ -87,7 +87,7 @@ mod tests {
         let graph = CellGraph::new(&map.cells);
         let regions = connected(&graph, &[Label(0); 4], DiagonalSteps::ThroughFree);
         let frame = MapFrame::new(0.5, Pose2::new(1.0, 2.0, std::f64::consts::FRAC_PI_2)).unwrap();
-        let [bar] = properties(&graph, &frame, &regions)[..] else { panic!("one region") };
+        let [bar] = properties(&FreeSpace { frame, graph }, &regions)[..] else { panic!("one region") };
         assert!((bar.area_m2 - 1.0).abs() < 1e-12);
         // Grid (1.0 m, 0.25 m), turned to the left: (−0.25, 1.0), from (1, 2).
         assert!(bar.centroid.distance(Point2::new(0.75, 3.0)) < 1e-12);

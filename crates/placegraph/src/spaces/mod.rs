@@ -24,41 +24,44 @@ mod piece;
 
 use rayon::prelude::*;
 
-use crate::grid::{CellGraph, DiagonalSteps, Run, Runs, components};
+use crate::grid::{CellGraph, DiagonalSteps, FreeSpace, Run, Runs, components};
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
 use piece::{Piece, Rectangle};
 
-/// The weights of evidence and border.
+/// The weights of evidence and border, each with its source.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpaceConfig {
-    /// s: how much evidence an area of one square meter has, against one meter of border. Default 3.
+    /// s: how much evidence an area of one square meter has, against one meter of border. Default 3: `docs/default-model.md`, "What was
+    /// tried": real and generated buildings.
     pub evidence_per_m: f64,
     /// Probabilities below this one, and above one minus it, count as this: neighboring cells err together, and
-    /// none of them is as sure as it says. Default 0.1.
+    /// none of them is as sure as it says. Default 0.1: the same page.
     pub least_probability: f64,
     /// Cells of the largest rectangle that is cut as a whole. Default 2²⁰, of which a cut takes 40 MB; larger ones are cut in tiles
     /// first, which takes three times as long. It changes no label.
     pub max_cut: usize,
+    /// Side of the tiles of a larger one, in cells. Default 128: measured. It changes no label.
+    pub tile_cells: u32,
 }
 
 impl Default for SpaceConfig {
     fn default() -> Self {
-        Self { evidence_per_m: 3.0, least_probability: 0.1, max_cut: 1 << 20 }
+        Self { evidence_per_m: 3.0, least_probability: 0.1, max_cut: 1 << 20, tile_cells: 128 }
     }
 }
 
 /// `labeling` with all cells that are no doorway labeled anew; doorways stay.
 ///
 /// # Panics
-/// If `field` or `labeling` do not belong to `graph`, or a label is not of `label_set`.
-pub fn settle(
-    graph: &CellGraph,
-    resolution_m: f64,
+/// If `field` or `labeling` do not belong to `space`, or a label is not of `label_set`.
+pub fn label(
+    space: &FreeSpace,
     field: &LabelField,
     labeling: &[Label],
     label_set: &LabelSet,
     config: &SpaceConfig,
 ) -> Labeling {
+    let graph = &space.graph;
     assert!(field.n_nodes() == graph.n_nodes() && labeling.len() == graph.n_nodes(), "one label per node");
     let is_doorway = |label: &Label| label_set.role(*label) == Role::Doorway;
     let mut candidates: Vec<Label> = label_set.labels().filter(|label| !is_doorway(label)).collect();
@@ -67,7 +70,8 @@ pub fn settle(
     if candidates.len() < 2 {
         return labeling.to_vec();
     }
-    let evidence = Evidence { candidates: &candidates, config, scale: config.evidence_per_m * resolution_m };
+    let evidence =
+        Evidence { candidates: &candidates, config, scale: config.evidence_per_m * space.resolution_m() };
     let edge = vec![1.0; candidates.len()];
     let row = |node: usize, out: &mut Vec<f64>| evidence.append(field.row(node), out);
     let mut found: Vec<Option<Label>> = vec![None; graph.n_nodes()];
@@ -78,11 +82,11 @@ pub fn settle(
     if !too_large.is_empty() {
         let mut is_open = vec![false; graph.n_nodes()];
         too_large.iter().flatten().for_each(|run| is_open[run.nodes()].fill(true));
-        found = certain(graph, TILE, &is_open, &edge, row);
+        found = certain(graph, config.tile_cells, &is_open, &edge, row);
         spaces.extend(pieces(graph, |node| is_open[node] && found[node].is_none()));
     }
     let start = |node: usize| Label(candidates.iter().position(|&c| c == labeling[node]).unwrap_or(0) as u8);
-    let settle_piece = |runs: &Vec<Run>| {
+    let label_piece = |runs: &Vec<Run>| {
         let is_member = |node: usize| {
             let after = runs.partition_point(|run| run.nodes().start <= node);
             after > 0 && runs[after - 1].nodes().contains(&node)
@@ -101,9 +105,9 @@ pub fn settle(
     let is_large =
         |runs: &Vec<Run>| Rectangle::around(runs).n_cells() > n_cells / rayon::current_num_threads();
     let (large, small): (Vec<_>, Vec<_>) = spaces.into_iter().partition(is_large);
-    let mut settled: Vec<(Vec<u32>, Labeling)> = large.iter().map(settle_piece).collect();
-    settled.par_extend(small.par_iter().map(settle_piece));
-    for (nodes, labels) in settled {
+    let mut labeled: Vec<(Vec<u32>, Labeling)> = large.iter().map(label_piece).collect();
+    labeled.par_extend(small.par_iter().map(label_piece));
+    for (nodes, labels) in labeled {
         for (node, label) in nodes.into_iter().zip(labels) {
             found[node as usize] = Some(label);
         }
@@ -111,9 +115,6 @@ pub fn settle(
     let labels = labeling.iter().zip(found);
     labels.map(|(&label, found)| found.map_or(label, |found| candidates[found.index()])).collect()
 }
-
-/// Side of the squares in which labels are found that are certain, in cells.
-const TILE: u32 = 128;
 
 /// The labels of nodes that the best labeling has whatever lies around their tile, of two labels.
 ///
@@ -188,7 +189,8 @@ impl Evidence<'_> {
 mod tests {
     use super::*;
     use crate::amn::infer::{Potentials, expand};
-    use crate::grid::{Cell, Connectivity, Grid, Occupancy};
+    use crate::geom::Pose2;
+    use crate::grid::{Cell, Connectivity, Grid, MapFrame, Occupancy};
 
     const CORRIDOR: Label = Label(0);
     const ROOM: Label = Label(1);
@@ -199,16 +201,20 @@ mod tests {
         CellGraph::new(&Grid::filled(width, height, Occupancy::Free))
     }
 
+    fn space(graph: &CellGraph) -> FreeSpace {
+        FreeSpace { frame: MapFrame::new(0.1, Pose2::default()).unwrap(), graph: graph.clone() }
+    }
+
     /// Labels by `label`, each nine times as probable as the other place.
-    fn settled(graph: &CellGraph, label: impl Fn(Cell) -> Label) -> Labeling {
-        let labeling: Labeling = graph.cells().iter().map(|&cell| label(cell)).collect();
+    fn labeled(graph: &CellGraph, by: impl Fn(Cell) -> Label) -> Labeling {
+        let labeling: Labeling = graph.cells().iter().map(|&cell| by(cell)).collect();
         let row = |label: &Label| match *label {
             CORRIDOR => [0.9, 0.1, 0.0],
             ROOM => [0.1, 0.9, 0.0],
             _ => [0.0, 0.0, 1.0],
         };
         let field = LabelField::from_rows(3, labeling.iter().flat_map(row).collect());
-        settle(graph, 0.1, &field, &labeling, &LabelSet::default(), &SpaceConfig::default())
+        label(&space(graph), &field, &labeling, &LabelSet::default(), &SpaceConfig::default())
     }
 
     #[test]
@@ -232,7 +238,7 @@ mod tests {
         // 10 x 10 cells: evidence 100 · 3 · 0.1 · ln 9 = 66 against a border of 3 edges for each of 40 sides.
         let graph = free(40, 40);
         let is_patch = |cell: Cell| (15..25).contains(&cell.x) && (15..25).contains(&cell.y);
-        let labels = settled(&graph, |cell| if is_patch(cell) { CORRIDOR } else { ROOM });
+        let labels = labeled(&graph, |cell| if is_patch(cell) { CORRIDOR } else { ROOM });
         assert!(labels.iter().all(|&label| label == ROOM));
     }
 
@@ -240,7 +246,7 @@ mod tests {
     fn a_space_with_a_short_border_stays() {
         // 20 x 20 cells, open over one side of 20: evidence 264 against a border of 58 edges.
         let graph = free(60, 20);
-        let labels = settled(&graph, |cell| if cell.x < 20 { CORRIDOR } else { ROOM });
+        let labels = labeled(&graph, |cell| if cell.x < 20 { CORRIDOR } else { ROOM });
         let expected: Labeling =
             graph.cells().iter().map(|cell| if cell.x < 20 { CORRIDOR } else { ROOM }).collect();
         assert_eq!(labels, expected);
@@ -256,7 +262,7 @@ mod tests {
             _ => ROOM,
         };
         let expected: Labeling = graph.cells().iter().map(|&cell| label(cell)).collect();
-        assert_eq!(settled(&graph, label), expected);
+        assert_eq!(labeled(&graph, label), expected);
     }
 
     /// Numbers from 0 to 1 that look random.
@@ -288,10 +294,10 @@ mod tests {
         let field = LabelField::from_rows(3, values);
         let config = SpaceConfig { evidence_per_m: 9.0, ..SpaceConfig::default() };
         let label_set = LabelSet::default();
-        let found = settle(&graph, 0.1, &field, &labeling, &label_set, &config);
+        let found = label(&space(&graph), &field, &labeling, &label_set, &config);
         for max_cut in [0, 400] {
             let config = SpaceConfig { max_cut, ..config };
-            let in_cuts = settle(&graph, 0.1, &field, &labeling, &label_set, &config);
+            let in_cuts = label(&space(&graph), &field, &labeling, &label_set, &config);
             assert_eq!(in_cuts, found, "what is larger than {max_cut} cells in tiles");
         }
 

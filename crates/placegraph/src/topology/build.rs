@@ -10,7 +10,7 @@ use super::outline::outlines;
 use super::routes::lay_routes;
 use super::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, TopologicalMap};
 use crate::geom::Point2;
-use crate::grid::{CellGraph, MapFrame};
+use crate::grid::FreeSpace;
 use crate::labels::{LabelField, LabelSet, Role};
 use crate::regions::{Contact, RegionId, RegionMap, contacts, properties};
 
@@ -21,19 +21,19 @@ use crate::regions::{Contact, RegionId, RegionMap, contacts, properties};
 /// `field` gives the probability of a place: the mean over its cells of the probability of its label.
 ///
 /// # Panics
-/// If `field` or `regions` do not belong to `graph`, or a label is not of `label_set`.
+/// If `field` or `regions` do not belong to `space`, or a label is not of `label_set`.
 pub fn build(
-    graph: &CellGraph,
-    frame: &MapFrame,
+    space: &FreeSpace,
     field: &LabelField,
     regions: &RegionMap,
     label_set: &LabelSet,
 ) -> TopologicalMap {
-    let properties = properties(graph, frame, regions);
+    let FreeSpace { frame, graph } = space;
+    let properties = properties(space, regions);
     let contacts = contacts(graph, regions);
     let centroids: Vec<Point2> = properties.iter().map(|p| frame.cells_from_map(p.centroid)).collect();
     let (outlines, (anchors, probabilities)) = rayon::join(
-        || outlines(graph, frame, regions),
+        || outlines(space, regions),
         || (anchors(graph, regions, &centroids), mean_probabilities(field, regions)),
     );
     let neighbors = neighbors_by_contact(regions, &contacts);
@@ -46,7 +46,7 @@ pub fn build(
         let doorway = (class.role == Role::Doorway).then(|| {
             let anchor = Point2::new(anchor.x as f64 + 0.5, anchor.y as f64 + 0.5);
             let is_own = |node: usize| regions.region_of[node].index() == index;
-            doorway(graph, frame, is_own, &neighbors[index], centroids[index], anchor)
+            doorway(space, is_own, &neighbors[index], centroids[index], anchor)
         });
         Place {
             id,
@@ -75,7 +75,7 @@ pub fn build(
         places: outlines.into_par_iter().enumerate().map(place).collect(),
         connections: contacts.iter().map(connection).collect(),
     };
-    lay_routes(&mut map, frame, graph, regions);
+    lay_routes(&mut map, space, regions);
     map
 }
 
@@ -116,13 +116,13 @@ fn neighbors_by_contact(regions: &RegionMap, contacts: &[Contact]) -> Vec<Vec<(R
 /// The opening between the two neighbors with the longest contact. With one neighbor, the way through is
 /// taken to go straight on over the centroid; with none, every direction is looked at from the anchor.
 fn doorway(
-    graph: &CellGraph,
-    frame: &MapFrame,
+    space: &FreeSpace,
     is_own: impl Fn(usize) -> bool,
     neighbors: &[(RegionId, Point2)],
     centroid: Point2,
     anchor: Point2,
 ) -> Doorway {
+    let FreeSpace { frame, graph } = space;
     let (from, to) = match neighbors {
         [] => (anchor, anchor),
         [(_, border)] => (*border, centroid + (centroid - *border)),

@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use super::segment::for_each_touched_in;
 use super::segments_cross;
 use crate::geom::Point2;
-use crate::grid::{Cell, CellGraph, Connectivity, MapFrame};
+use crate::grid::{Cell, CellGraph, Connectivity, FreeSpace, MapFrame};
 use crate::labels::{Label, LabelSet, Role};
 use crate::regions::{DiagonalSteps, Region, RegionId, RegionMap};
 
@@ -182,20 +182,14 @@ pub struct Edited {
 }
 
 /// Applies `edits` to `regions`.
-pub fn apply(
-    frame: &MapFrame,
-    graph: &CellGraph,
-    labels: &LabelSet,
-    regions: RegionMap,
-    edits: &[Edit],
-) -> Edited {
+pub fn apply(space: &FreeSpace, labels: &LabelSet, regions: RegionMap, edits: &[Edit]) -> Edited {
     if edits.is_empty() {
         return Edited { regions, names: BTreeMap::new(), outcomes: Vec::new() };
     }
     let diagonal = regions.diagonal;
     let mut editor = Editor {
-        frame,
-        graph,
+        frame: &space.frame,
+        graph: &space.graph,
         labels,
         label_of: regions.regions.iter().map(|region| region.label).collect(),
         region_of: regions.region_of,

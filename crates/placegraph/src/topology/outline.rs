@@ -6,14 +6,15 @@
 
 use super::PolygonWithHoles;
 use crate::geom::Point2;
-use crate::grid::{Cell, CellGraph, DiagonalSteps, MapFrame, Runs, components};
+use crate::grid::{Cell, CellGraph, DiagonalSteps, FreeSpace, Runs, components};
 use crate::regions::RegionMap;
 
 /// The outline of every region, in the map frame: a polygon for every part that is connected over sides.
 ///
 /// # Panics
-/// If `regions` do not belong to `graph`.
-pub fn outlines(graph: &CellGraph, frame: &MapFrame, regions: &RegionMap) -> Vec<Vec<PolygonWithHoles>> {
+/// If `regions` do not belong to `space`.
+pub fn outlines(space: &FreeSpace, regions: &RegionMap) -> Vec<Vec<PolygonWithHoles>> {
+    let FreeSpace { frame, graph } = space;
     let parts = Parts::new(graph, regions);
     let mut polygons: Vec<Option<PolygonWithHoles>> = vec![None; parts.region_of.len()];
     let mut is_walked = vec![false; graph.n_nodes()];

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use super::segment::all_touched;
 use super::{Route, TopologicalMap};
 use crate::geom::Point2;
-use crate::grid::{Cell, CellGraph, Connectivity, MapFrame, NO_NODE};
+use crate::grid::{Cell, CellGraph, Connectivity, FreeSpace, NO_NODE};
 use crate::regions::{RegionId, RegionMap};
 
 /// Walls farther than this do not make a step dearer, in meters.
@@ -32,8 +32,8 @@ const UNREACHED: u32 = u32::MAX;
 ///
 /// A route stays within its two places. Where that is impossible (cells that meet at a corner only) it may
 /// touch others; where there is no way at all the connection has no route.
-pub fn lay_routes(map: &mut TopologicalMap, frame: &MapFrame, graph: &CellGraph, regions: &RegionMap) {
-    let walks = Walks::new(map, frame, graph, regions);
+pub fn lay_routes(map: &mut TopologicalMap, space: &FreeSpace, regions: &RegionMap) {
+    let walks = Walks::new(map, space, regions);
     let portals = walks.portals();
     for connection in &mut map.connections {
         let pair = [connection.a, connection.b].map(|place| RegionId(place.0 - 1));
@@ -43,7 +43,7 @@ pub fn lay_routes(map: &mut TopologicalMap, frame: &MapFrame, graph: &CellGraph,
         };
         connection.route = path.map(|path| {
             let line = walks.pulled_straight(&path, pair);
-            Route::along(line.into_iter().map(|point| frame.map_from_cells(point)).collect())
+            Route::along(line.into_iter().map(|point| space.frame.map_from_cells(point)).collect())
         });
     }
 }
@@ -69,15 +69,16 @@ struct Walks<'a> {
 }
 
 impl<'a> Walks<'a> {
-    fn new(map: &TopologicalMap, frame: &MapFrame, graph: &'a CellGraph, regions: &'a RegionMap) -> Self {
-        let comfort = (COMFORT_M / frame.resolution_m()).ceil().clamp(1.0, 255.0) as u8;
+    fn new(map: &TopologicalMap, space: &'a FreeSpace, regions: &'a RegionMap) -> Self {
+        let graph = &space.graph;
+        let comfort = space.in_cells(COMFORT_M).ceil().clamp(1.0, 255.0) as u8;
         let stations = map.places.iter().map(|place| {
             let region = RegionId(place.id.0 - 1);
             let center = place.doorway.as_ref().map(|doorway| doorway.jambs[0].midpoint(doorway.jambs[1]));
             center
-                .and_then(|center| node_near(frame, graph, center))
+                .and_then(|center| node_near(space, center))
                 .filter(|&node| regions.region_of[node] == region)
-                .or_else(|| node_near(frame, graph, place.anchor))
+                .or_else(|| node_near(space, place.anchor))
                 .unwrap_or_default()
         });
         let mut walks = Self {
@@ -309,7 +310,8 @@ impl<'a> Walks<'a> {
 const GIVE_UP: usize = 16;
 
 /// The node of the cell that contains `point`.
-fn node_near(frame: &MapFrame, graph: &CellGraph, point: Point2) -> Option<usize> {
+fn node_near(space: &FreeSpace, point: Point2) -> Option<usize> {
+    let FreeSpace { frame, graph } = space;
     frame
         .cell_at(point)
         .filter(|cell| cell.x < graph.width() && cell.y < graph.height())

@@ -156,7 +156,7 @@ fn masks_put_the_value_of_the_class_into_its_cells() {
         speed_mask(&building.map, &sheet(&building, Rotated::Refuse), &SpeedLimit::default()).unwrap();
     let image = image::load_from_memory(&files.image).unwrap().into_luma8();
     for cell in building.grid.cells.cells() {
-        let doorway = building.graph.node_at(cell).is_some_and(|node| {
+        let doorway = building.space.graph.node_at(cell).is_some_and(|node| {
             building.regions.regions[building.regions.region_of[node].index()].label.0 == 2
         });
         let pixel = image.get_pixel(cell.x, building.grid.cells.height() - 1 - cell.y).0[0];
@@ -170,7 +170,7 @@ fn keepout_covers_what_is_no_place() {
     let files = keepout_mask(&building.map, &sheet(&building, Rotated::Refuse), &Keepout::default()).unwrap();
     let image = image::load_from_memory(&files.image).unwrap().into_luma8();
     let n_free = image.pixels().filter(|pixel| pixel.0[0] == 0).count();
-    assert_eq!(n_free, building.graph.n_nodes());
+    assert_eq!(n_free, building.space.graph.n_nodes());
     assert!(image.pixels().all(|pixel| [0, 100].contains(&pixel.0[0])));
 }
 

@@ -3,18 +3,18 @@
 use image::RgbImage;
 use placegraph::export::{MapInfo, TopologyDocument, View, overlay_svg, overview_png};
 use placegraph::geom::{Point2, Pose2};
-use placegraph::grid::{CellGraph, Grid, MapFrame, Occupancy, OccupancyGrid};
+use placegraph::grid::{CellGraph, FreeSpace, Grid, MapFrame, Occupancy, OccupancyGrid};
 use placegraph::labels::{Class, Label, LabelField, LabelSet, Role};
 use placegraph::regions::{DiagonalSteps, Thresholds, connected, correct};
 use placegraph::topology::{TopologicalMap, build};
 
 /// The topological map of a labeling without corrections.
 fn topology(grid: &OccupancyGrid, labels: &[Label], set: &LabelSet) -> TopologicalMap {
-    let graph = CellGraph::new(&grid.cells);
-    let regions = connected(&graph, labels, DiagonalSteps::ThroughFree);
+    let space = FreeSpace::of(grid);
+    let regions = connected(&space.graph, labels, DiagonalSteps::ThroughFree);
     let n_values = labels.len() * set.len();
     let field = LabelField::from_rows(set.len(), vec![1.0 / set.len() as f32; n_values]);
-    build(&graph, &grid.frame, &field, &regions, set)
+    build(&space, &field, &regions, set)
 }
 
 /// A corridor and a room with a doorway between them, 2 m by 1 m, turned.
@@ -159,9 +159,9 @@ fn real_maps_give_documents_and_pictures() {
     let set = LabelSet::default();
     for name in ["fr79_slam", "fr52_slam", "lab_d_scan"] {
         let (grid, labels) = real_map(&std::path::Path::new(&data).join("eval").join(name));
-        let graph = CellGraph::new(&grid.cells);
-        let regions = connected(&graph, &labels, DiagonalSteps::ThroughFree);
-        let regions = correct(&graph, 0.05, &regions, &set, &Thresholds::default()).regions;
+        let space = FreeSpace::of(&grid);
+        let regions = connected(&space.graph, &labels, DiagonalSteps::ThroughFree);
+        let regions = correct(&space, &regions, &set, &Thresholds::default()).regions;
         let labels = regions.labeling();
         let map = topology(&grid, &labels, &set);
         let doorways: Vec<_> = map.places.iter().filter_map(|place| place.doorway.as_ref()).collect();

@@ -6,9 +6,10 @@ use placegraph::boost::{
     table_scores,
 };
 use placegraph::features::{self, FeatureTable};
-use placegraph::grid::{CellGraph, Connectivity, OccupancyGrid};
+use placegraph::grid::{Connectivity, FreeSpace, OccupancyGrid};
 use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::model::{BoostedModel, Method, Model, ModelError, NetworkModel, TrainingRecord};
+use placegraph::pipeline;
 use placegraph::progress::Silent;
 use placegraph::regions::Thresholds;
 use placegraph::relax::{Compatibility, RelaxConfig};
@@ -114,14 +115,14 @@ fn network(n_stumps: Option<usize>) -> Model {
 #[test]
 fn a_saved_network_labels_with_the_same_bits() {
     let map = OccupancyGrid::from_ascii(0.5, "########\n#...#..#\n#......#\n#...#..#\n########");
-    let graph = CellGraph::new(&map.cells);
+    let space = FreeSpace::of(&map);
     for saved in [network(None), network(Some(5))] {
         let bytes = saved.to_json();
         let read = Model::from_json(&bytes).unwrap();
         assert_eq!(read, saved);
         assert_eq!(read.to_json(), bytes);
         let bits = |model: &Model| {
-            let found = model.label(&map, &graph, &Silent);
+            let found = pipeline::smooth(&space, pipeline::classify(&map, &space, model, &Silent), model);
             let bits = |field: &LabelField| field.values().iter().map(|p| p.to_bits()).collect::<Vec<_>>();
             (bits(&found.classified), bits(&found.smoothed), found.labeling)
         };

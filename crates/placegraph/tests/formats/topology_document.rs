@@ -2,7 +2,7 @@
 
 use placegraph::export::{MapInfo, TopologyDocument, TopologyError};
 use placegraph::geom::Pose2;
-use placegraph::grid::{CellGraph, MapFrame, OccupancyGrid};
+use placegraph::grid::{CellGraph, FreeSpace, MapFrame, OccupancyGrid};
 use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::regions::{DiagonalSteps, connected};
 use placegraph::topology::build;
@@ -30,7 +30,7 @@ fn document() -> TopologyDocument {
         .collect();
     let regions = connected(&graph, &labels, DiagonalSteps::ThroughFree);
     let field = LabelField::from_rows(3, vec![1.0 / 3.0; 3 * graph.n_nodes()]);
-    let topology = build(&graph, &grid.frame, &field, &regions, &LabelSet::default());
+    let topology = build(&FreeSpace { frame: grid.frame, graph }, &field, &regions, &LabelSet::default());
     let mut document =
         TopologyDocument::new(MapInfo::of(&grid, "drawn", "00ff"), None, &LabelSet::default(), &topology);
     document.timings_ms.insert("topology".into(), 1.25);

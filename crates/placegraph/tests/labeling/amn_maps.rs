@@ -6,8 +6,9 @@
 
 use placegraph::amn::{self, IamnConfig, LabeledCells, TrainingMap};
 use placegraph::features::extract;
-use placegraph::grid::{Cell, CellGraph, Grid, Occupancy};
+use placegraph::grid::{Cell, CellGraph, FreeSpace, Grid, Occupancy};
 use placegraph::labels::{Label, LabelSet};
+use placegraph::pipeline::{classify, smooth};
 use placegraph::progress::Silent;
 use placegraph::scan::ScanConfig;
 use placegraph::training::{Choice, LabeledMap, NetworkConfig, TrainConfig, train_network};
@@ -77,10 +78,10 @@ fn left_to_right(name: &str, split: u32) -> Option<(f64, f64)> {
     let map = labeled_map(name, Some(split))?;
     let maps: &[LabeledMap] = std::slice::from_ref(&map);
     let model = train_network(maps, &LabelSet::default(), &short(), &Silent).unwrap().model;
-    let graph = CellGraph::new(&map.grid.cells);
-    let found = model.label(&map.grid, &graph, &Silent);
+    let space = FreeSpace::of(&map.grid);
+    let found = smooth(&space, classify(&map.grid, &space, &model, &Silent), &model);
     assert_eq!(found.smoothed.most_likely(), found.labeling);
-    Some(evaluate(&map, graph.cells(), &found.labeling, split, "network on a list, 5 cm"))
+    Some(evaluate(&map, space.graph.cells(), &found.labeling, split, "network on a list, 5 cm"))
 }
 
 #[test]

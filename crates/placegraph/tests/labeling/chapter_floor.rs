@@ -5,9 +5,9 @@
 //! Reads the folder named by `PLACEGRAPH_DATA`; without it the tests are skipped. No setting was chosen by these
 //! results: everything is a default, except that large classes are thinned to keep the test short.
 
-use placegraph::grid::CellGraph;
+use placegraph::grid::FreeSpace;
 use placegraph::labels::LabelSet;
-use placegraph::pipeline::{Config, analyze};
+use placegraph::pipeline::{Config, analyze, classify, smooth};
 use placegraph::progress::Silent;
 use placegraph::training::{LabeledMap, TrainConfig, Trained, train};
 
@@ -39,13 +39,14 @@ fn report(trained: &Trained) {
 fn experiment(maps: &[LabeledMap], test: &LabeledMap, split: u32, config: &TrainConfig) -> (f64, f64) {
     let trained = train(maps, &LabelSet::default(), config, &Silent).unwrap();
     report(&trained);
-    let graph = CellGraph::new(&test.grid.cells);
-    let labeled = trained.model.label(&test.grid, &graph, &Silent);
+    let space = FreeSpace::of(&test.grid);
+    let classified = classify(&test.grid, &space, &trained.model, &Silent);
+    let labeled = smooth(&space, classified, &trained.model);
     let classified = labeled.classified.most_likely();
-    let accuracy = evaluate(test, graph.cells(), &classified, split, "classified").0;
-    evaluate(test, graph.cells(), &labeled.labeling, split, "relaxed");
+    let accuracy = evaluate(test, space.graph.cells(), &classified, split, "classified").0;
+    evaluate(test, space.graph.cells(), &labeled.labeling, split, "relaxed");
     let analysis = analyze(&test.grid, &trained.model, &Config::default(), &Silent);
-    let corrected = evaluate(test, graph.cells(), &analysis.labeling, split, "corrected").0;
+    let corrected = evaluate(test, space.graph.cells(), &analysis.labeling, split, "corrected").0;
     (accuracy, corrected)
 }
 

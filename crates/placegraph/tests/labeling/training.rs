@@ -2,9 +2,10 @@
 
 use placegraph::amn::IamnConfig;
 use placegraph::geom::Pose2;
-use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, OccupancyGrid};
+use placegraph::grid::{Cell, FreeSpace, Grid, MapFrame, OccupancyGrid};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::model::{Method, Model};
+use placegraph::pipeline::{classify, smooth};
 use placegraph::progress::Silent;
 use placegraph::training::{
     Choice, Dataset, LabeledMap, NetworkConfig, NodeScores, TrainConfig, TrainError, Window, train,
@@ -81,8 +82,9 @@ fn a_building_is_learned_and_the_report_says_how() {
         a.accuracy.total_cmp(&b.accuracy).then(b.order.cmp(&a.order))
     });
     assert_eq!(boosted.list.order, best.unwrap().order);
-    let graph = CellGraph::new(&map.grid.cells);
-    let found = trained.model.label(&map.grid, &graph, &Silent).classified.most_likely();
+    let space = FreeSpace::of(&map.grid);
+    let graph = &space.graph;
+    let found = classify(&map.grid, &space, &trained.model, &Silent).field.most_likely();
     let wrong = graph.cells().iter().zip(&found).filter(|(cell, label)| map.labels[**cell] != Some(**label));
     let share = wrong.count() as f64 / graph.n_nodes() as f64;
     assert!((share - report.training_error).abs() < 1e-12);
@@ -187,10 +189,10 @@ fn networks_with_and_without_a_list_learn_a_building() {
         assert!(record.choices.iter().all(|choice| (0.8..=1.0).contains(&choice.accuracy)));
         assert_eq!(Model::from_json(&trained.model.to_json()).unwrap(), trained.model);
 
-        let graph = CellGraph::new(&map.grid.cells);
-        let found = trained.model.label(&map.grid, &graph, &Silent);
+        let space = FreeSpace::of(&map.grid);
+        let found = smooth(&space, classify(&map.grid, &space, &trained.model, &Silent), &trained.model);
         assert_eq!(found.smoothed.most_likely(), found.labeling);
-        let labels = graph.cells().iter().map(|&cell| map.labels[cell]);
+        let labels = space.graph.cells().iter().map(|&cell| map.labels[cell]);
         let right = labels.zip(&found.labeling).filter(|(label, found)| *label == Some(**found)).count();
         assert!(right as f64 > 0.97 * found.labeling.len() as f64, "{scores:?}: {right}");
     }

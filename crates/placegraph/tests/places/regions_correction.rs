@@ -1,6 +1,7 @@
 //! The rules of Sect. 4.7 on drawn maps: letters are labels, `#` is a wall.
 
-use placegraph::grid::{CellGraph, Grid, Occupancy};
+use placegraph::geom::Pose2;
+use placegraph::grid::{CellGraph, FreeSpace, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::regions::{Corrected, DiagonalSteps, Relabeled, Thresholds, connected, correct};
 
@@ -19,9 +20,10 @@ fn corrected(resolution_m: f64, drawing: &str) -> (Vec<String>, Corrected) {
     let labels: Vec<Label> = graph.cells().iter().map(|&cell| label_of(letters[cell])).collect();
     let regions = connected(&graph, &labels, DiagonalSteps::ThroughFree);
     let set = LabelSet::default();
-    let result = correct(&graph, resolution_m, &regions, &set, &Thresholds::default());
+    let space = FreeSpace { frame: MapFrame::new(resolution_m, Pose2::default()).unwrap(), graph };
+    let result = correct(&space, &regions, &set, &Thresholds::default());
     let mut drawn = letters;
-    for (&cell, label) in graph.cells().iter().zip(result.regions.labeling()) {
+    for (&cell, label) in space.graph.cells().iter().zip(result.regions.labeling()) {
         drawn[cell] = LETTERS[label.index()];
     }
     let rows = (0..height).rev().map(|y| drawn.row(y).iter().collect()).collect();

@@ -3,7 +3,7 @@
 use image::{GrayImage, Luma};
 use imageproc::region_labelling::{Connectivity, connected_components};
 use placegraph::geom::Pose2;
-use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Occupancy};
+use placegraph::grid::{Cell, CellGraph, FreeSpace, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Class, Label, LabelSet, Role};
 use placegraph::regions::{DiagonalSteps, Thresholds, connected, contacts, correct, properties};
 use placegraph_testkit::regions as oracle;
@@ -95,15 +95,16 @@ proptest! {
         min_doorway_m2 in 0.0..15.0f64,
         min_doorway_neighbors in 0usize..4,
     ) {
+        let space = FreeSpace { frame: MapFrame::new(1.0, Pose2::default()).unwrap(), graph: map.graph.clone() };
         let thresholds = Thresholds { min_place_m2, min_doorway_m2, min_doorway_neighbors, min_island_m2: 0.0 };
         let regions = connected(&map.graph, &map.labels, diagonal);
-        let found = correct(&map.graph, 1.0, &regions, &label_set(), &thresholds);
+        let found = correct(&space, &regions, &label_set(), &thresholds);
         let (expected, n_places, n_doorways) =
             oracle::correct(&map.graph, 1.0, &regions, &label_set(), &thresholds);
         prop_assert_eq!(&found.regions, &expected);
         prop_assert_eq!((found.places.n_regions, found.doorways.n_regions), (n_places, n_doorways));
 
-        let again = correct(&map.graph, 1.0, &found.regions, &label_set(), &thresholds);
+        let again = correct(&space, &found.regions, &label_set(), &thresholds);
         prop_assert_eq!(&again.regions, &found.regions);
         prop_assert_eq!(again.places.n_regions + again.doorways.n_regions, 0);
     }
@@ -112,7 +113,7 @@ proptest! {
     fn properties_equal_sums_over_cells(map in maps(), yaw_rad in -4.0..4.0f64) {
         let frame = MapFrame::new(0.05, Pose2::new(-3.0, 7.0, yaw_rad)).unwrap();
         let regions = connected(&map.graph, &map.labels, DiagonalSteps::ThroughFree);
-        for (index, found) in properties(&map.graph, &frame, &regions).iter().enumerate() {
+        for (index, found) in properties(&FreeSpace { frame, graph: map.graph.clone() }, &regions).iter().enumerate() {
             let centers: Vec<_> = (0..map.graph.n_nodes())
                 .filter(|&node| regions.region_of[node].index() == index)
                 .map(|node| frame.center(map.graph.cells()[node]))

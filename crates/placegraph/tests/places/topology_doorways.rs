@@ -1,7 +1,7 @@
 //! Widths of doorways drawn at any angle, with clean and with ragged walls.
 
 use placegraph::geom::{Point2, Pose2, Vec2};
-use placegraph::grid::{CellGraph, Grid, MapFrame, Occupancy};
+use placegraph::grid::{CellGraph, FreeSpace, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::regions::{DiagonalSteps, connected};
 use placegraph::topology::{Place, build};
@@ -44,7 +44,7 @@ impl Drawn {
         let labels: Vec<Label> = graph.cells().iter().map(|&cell| label_of[cell]).collect();
         let regions = connected(&graph, &labels, DiagonalSteps::ThroughFree);
         let field = LabelField::from_rows(3, vec![1.0 / 3.0; 3 * graph.n_nodes()]);
-        let map = build(&graph, &frame, &field, &regions, &LabelSet::default());
+        let map = build(&FreeSpace { frame, graph }, &field, &regions, &LabelSet::default());
         let largest = map.places.iter().filter(|place| place.doorway.is_some()).max_by_key(|p| p.n_cells);
         largest.expect("a doorway").clone()
     }

@@ -7,7 +7,7 @@ use placegraph::topology::edits::{Edit, EditFile, Edited, NotApplied, apply};
 
 fn edited(building: &Building, toml: &str) -> Edited {
     let file = EditFile::from_toml(toml).unwrap();
-    apply(&building.grid.frame, &building.graph, &LabelSet::default(), building.regions.clone(), &file.edits)
+    apply(&building.space, &LabelSet::default(), building.regions.clone(), &file.edits)
 }
 
 /// `[x, y]` in the map of the letter in column `x` and row `y`.

@@ -2,7 +2,7 @@
 
 use geo::{Area, Contains, Coord, LineString, Polygon, Validation};
 use placegraph::geom::{Point2, Pose2};
-use placegraph::grid::{CellGraph, Grid, MapFrame, Occupancy};
+use placegraph::grid::{CellGraph, FreeSpace, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Label, LabelField, LabelSet, Role};
 use placegraph::regions::{DiagonalSteps, RegionMap, connected};
 use placegraph::topology::{PlaceId, PolygonWithHoles, Route, TopologicalMap, build};
@@ -32,7 +32,8 @@ fn diagonals() -> impl Strategy<Value = DiagonalSteps> {
 
 fn built(graph: &CellGraph, labels: &[Label], frame: &MapFrame, regions: &RegionMap) -> TopologicalMap {
     let rows = labels.iter().flat_map(|l| (0..3).map(|k| if k == l.index() { 0.8 } else { 0.1 })).collect();
-    build(graph, frame, &LabelField::from_rows(3, rows), regions, &LabelSet::default())
+    let space = FreeSpace { frame: *frame, graph: graph.clone() };
+    build(&space, &LabelField::from_rows(3, rows), regions, &LabelSet::default())
 }
 
 fn ring(points: &[Point2]) -> LineString<f64> {

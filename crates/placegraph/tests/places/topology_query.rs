@@ -16,8 +16,11 @@ fn the_raster_is_the_region_map() {
         let building = building::drawn(pose);
         let raster = PlaceRaster::new(&building.map, building.shape());
         for cell in building.grid.cells.cells() {
-            let expected =
-                building.graph.node_at(cell).map(|node| PlaceId(building.regions.region_of[node].0 + 1));
+            let expected = building
+                .space
+                .graph
+                .node_at(cell)
+                .map(|node| PlaceId(building.regions.region_of[node].0 + 1));
             assert_eq!(raster.place_in(cell), expected, "{cell:?}");
         }
     }
@@ -106,7 +109,7 @@ proptest! {
         let (building, index) = &*TURNED;
         let point = building.grid.frame.map_from_grid().apply(Point2::new(u, v));
         let cell = building.shape().cell_at(point);
-        let place = cell.and_then(|cell| building.graph.node_at(cell)).map(|node| PlaceId(building.regions.region_of[node].0 + 1));
+        let place = cell.and_then(|cell| building.space.graph.node_at(cell)).map(|node| PlaceId(building.regions.region_of[node].0 + 1));
         let distance = plain_distance(building, point);
         match index.locate(point).unwrap() {
             Whereabouts::Inside { place: found, border_m } => {

@@ -85,7 +85,7 @@ pub(super) fn files(
     analysis: &Analysis,
     setup: &Setup<'_>,
 ) -> Result<OutputSet> {
-    let (graph, frame) = (&analysis.graph, &map.grid.frame);
+    let (graph, frame) = (&analysis.space.graph, &map.grid.frame);
     let mut files = OutputSet::default();
     if setup.args.stages {
         files.add("labels.1-classified.png", label_png(graph, &analysis.classified));

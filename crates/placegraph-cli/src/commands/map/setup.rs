@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::{Context as _, Result, ensure};
 use placegraph::export::{Format, MaskSettings, TopologyDocument};
 use placegraph::model::sha256_hex;
-use placegraph::pipeline::{self, Correction, Doorways};
+use placegraph::pipeline;
 use placegraph::topology::edits::{Edit, EditFile};
 
 use super::jobs::Job;
@@ -69,10 +69,10 @@ impl<'a> Setup<'a> {
         options.extend(edits.as_ref().map(|(_, hash)| format!("--edits sha256:{hash}")));
         let previous = previous.map(|(document, _)| document);
         let config = pipeline::Config {
-            doorways: if self.args.no_doorways { Doorways::Skip } else { Doorways::Mark },
-            correction: if self.args.no_correction { Correction::Skip } else { Correction::Apply },
+            correction: !self.args.no_correction,
             edits: edits.map(|(edits, _)| edits).unwrap_or_default(),
             previous: previous.as_ref().map(TopologyDocument::topology),
+            ..if self.args.no_doorways { pipeline::Config::chapter() } else { pipeline::Config::default() }
         };
         Ok(Context {
             config,

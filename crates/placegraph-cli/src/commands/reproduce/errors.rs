@@ -14,9 +14,9 @@ const N_PATCHES: usize = 5;
 
 /// The wrong cells of `analysis` where `truth` has a label.
 pub(super) fn errors(building: &Building, analysis: &Analysis, truth: &Grid<Option<Label>>) -> Errors {
-    let found = painted(truth, analysis.graph.cells(), &analysis.labeling);
+    let found = painted(truth, analysis.space.graph.cells(), &analysis.labeling);
     let scores = compare(&found, truth);
-    let wrong = analysis.graph.cells().iter().filter_map(|&cell| {
+    let wrong = analysis.space.graph.cells().iter().filter_map(|&cell| {
         let (found, truth) = (found[cell]?, truth[cell]?);
         (found != truth).then_some((cell, truth, found))
     });
@@ -38,7 +38,7 @@ pub(super) fn errors(building: &Building, analysis: &Analysis, truth: &Grid<Opti
 fn patches(frame: &MapFrame, analysis: &Analysis, truth: &Grid<Option<Label>>) -> Vec<Patch> {
     let label_set = LabelSet::default();
     let n = label_set.len() as u8;
-    let graph = &analysis.graph;
+    let graph = &analysis.space.graph;
     // 0 is right or not scored; every kind of error is a label of its own.
     let kinds: Vec<Label> = graph
         .cells()

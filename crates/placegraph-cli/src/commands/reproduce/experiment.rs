@@ -6,7 +6,7 @@ use anyhow::{Result, bail};
 use placegraph::grid::{Cell, Grid};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::model::{BoostedModel, Method, Model};
-use placegraph::pipeline::{self, Analysis, Config, Doorways};
+use placegraph::pipeline::{self, Analysis, Config};
 use placegraph::progress::Progress;
 use placegraph::training::{LabeledMap, TrainConfig, Trained, train};
 
@@ -27,11 +27,11 @@ pub(super) fn run(
     test: &Building,
     truth: &Grid<Option<Label>>,
     config: &TrainConfig,
-    doorways: Doorways,
+    stages: &Config,
     progress: &dyn Progress,
 ) -> Result<Run> {
     let trained = train(maps, &LabelSet::default(), config, progress)?;
-    label(trained, test, truth, doorways, progress)
+    label(trained, test, truth, stages, progress)
 }
 
 /// Labels `test` with a trained model.
@@ -39,12 +39,11 @@ pub(super) fn label(
     trained: Trained,
     test: &Building,
     truth: &Grid<Option<Label>>,
-    doorways: Doorways,
+    stages: &Config,
     progress: &dyn Progress,
 ) -> Result<Run> {
-    let config = Config { doorways, ..Config::default() };
-    let analysis = pipeline::analyze(&test.map.grid, &trained.model, &config, progress);
-    let cells: &[Cell] = analysis.graph.cells();
+    let analysis = pipeline::analyze(&test.map.grid, &trained.model, stages, progress);
+    let cells: &[Cell] = analysis.space.graph.cells();
     let boosted = boosted(&trained.model)?;
     let setting = Setting {
         n_training_cells: trained.report.n_examples.iter().sum(),

@@ -165,7 +165,7 @@ fn drawings(buildings: &[Building; 3]) -> Vec<Drawings> {
 fn add_pictures(pictures: &mut OutputSet, trial: &Trial<'_>, made: &Made) -> Result<()> {
     let (map, first) = (&trial.test.map.grid, trial.first);
     let mut add = |name: &str, png: Vec<u8>| pictures.add(format!("{}-{name}.png", made.result.id), png);
-    let labels = |run: &Run, labeling: &[_]| painted(&map.cells, run.analysis.graph.cells(), labeling);
+    let labels = |run: &Run, labeling: &[_]| painted(&map.cells, run.analysis.space.graph.cells(), labeling);
     let png = |run: &Run, labeling: &[_]| pictures::labels_png(map, &labels(run, labeling), first);
 
     add("drawn", pictures::drawn_png(map, &trial.test.map.labels, first)?);

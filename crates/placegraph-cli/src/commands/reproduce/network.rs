@@ -127,12 +127,12 @@ pub(super) fn on_a_list(
     let TrainedNetwork { model, report } = train_network(&maps, &LabelSet::default(), config, progress)?;
     let analysis = pipeline::analyze(&building.map.grid, &model, &pipeline::Config::default(), progress);
     let truth = building.truth_from(building.split);
-    let judged = |labeling: &[Label]| score(analysis.graph.cells(), labeling, &truth);
+    let judged = |labeling: &[Label]| score(analysis.space.graph.cells(), labeling, &truth);
     let found = analysis.smoothed.most_likely();
     let stages = [judged(&analysis.classified), judged(&found)];
     let corrected = judged(&analysis.labeling);
     let result = result(&building.map, title, &report.network, stages, Some(corrected));
-    let found = painted(&truth, analysis.graph.cells(), &found);
+    let found = painted(&truth, analysis.space.graph.cells(), &found);
     Ok(NetworkRun { result, map: building.map.clone(), split: building.split, found })
 }
 

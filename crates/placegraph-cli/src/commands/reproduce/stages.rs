@@ -3,6 +3,7 @@
 use anyhow::Result;
 use placegraph::grid::{Grid, OccupancyGrid};
 use placegraph::labels::{Label, LabelSet};
+use placegraph::pipeline::classify;
 use placegraph::progress::Silent;
 use placegraph::regions::{DiagonalSteps, Thresholds, connected, correct};
 use placegraph::relax::{RelaxConfig, relax_in_place};
@@ -18,8 +19,9 @@ pub(super) fn iterations(
     iterations: &[u32],
 ) -> Result<Vec<Point>> {
     let compatibility = &boosted(&run.trained.model)?.compatibility;
-    let graph = &run.analysis.graph;
-    let (mut field, mut done) = (run.trained.model.label(map, graph, &Silent).classified, 0);
+    let space = &run.analysis.space;
+    let graph = &space.graph;
+    let (mut field, mut done) = (classify(map, space, &run.trained.model, &Silent).field, 0);
     let points = iterations.iter().map(|&n| {
         let more = RelaxConfig { iterations: n - done, patience: None };
         relax_in_place(graph, &mut field, compatibility, &more);
@@ -30,7 +32,7 @@ pub(super) fn iterations(
 }
 
 /// The relaxed labels with either correction, and with both.
-pub(super) fn corrections(run: &Run, resolution_m: f64, truth: &Grid<Option<Label>>) -> Vec<Correction> {
+pub(super) fn corrections(run: &Run, truth: &Grid<Option<Label>>) -> Vec<Correction> {
     let both = Thresholds::default();
     let none = Thresholds { min_place_m2: 0.0, min_doorway_m2: 0.0, min_doorway_neighbors: 0, ..both };
     let variants = [
@@ -39,10 +41,11 @@ pub(super) fn corrections(run: &Run, resolution_m: f64, truth: &Grid<Option<Labe
         ("doorways below 0.1 m², or with fewer than two neighbors", Thresholds { min_place_m2: 0.0, ..both }),
         ("both", both),
     ];
-    let graph = &run.analysis.graph;
+    let space = &run.analysis.space;
+    let graph = &space.graph;
     let regions = connected(graph, &run.analysis.smoothed.most_likely(), DiagonalSteps::default());
     let correction = |(name, thresholds): (&'static str, Thresholds)| {
-        let corrected = correct(graph, resolution_m, &regions, &LabelSet::default(), &thresholds);
+        let corrected = correct(space, &regions, &LabelSet::default(), &thresholds);
         Correction {
             name,
             n_relabeled_regions: corrected.places.n_regions + corrected.doorways.n_regions,

@@ -3,7 +3,7 @@
 use anyhow::Result;
 use placegraph::grid::Grid;
 use placegraph::labels::{Label, LabelSet};
-use placegraph::pipeline::Doorways;
+use placegraph::pipeline::Config;
 use placegraph::progress::Progress;
 use placegraph::training::{LabeledMap, TrainConfig, train};
 
@@ -73,9 +73,8 @@ impl Trial<'_> {
     /// Trains and labels in both settings.
     pub(super) fn make(&self, progress: &dyn Progress) -> Result<Made> {
         let truth = self.test.truth_from(self.first);
-        let chapter = run(&self.training, self.test, &truth, &self.chapter, Doorways::Skip, progress)?;
-        let best = run(&self.training, self.test, &truth, &self.best, Doorways::Mark, progress)?;
-        let resolution_m = self.test.map.grid.frame.resolution_m();
+        let chapter = run(&self.training, self.test, &truth, &self.chapter, &Config::chapter(), progress)?;
+        let best = run(&self.training, self.test, &truth, &self.best, &Config::default(), progress)?;
         let result = Experiment {
             section: self.section,
             id: self.id,
@@ -83,7 +82,7 @@ impl Trial<'_> {
             published: self.published,
             chapter: chapter.setting.clone(),
             best: best.setting.clone(),
-            corrections: stages::corrections(&chapter, resolution_m, &truth),
+            corrections: stages::corrections(&chapter, &truth),
             errors: errors(self.test, &chapter.analysis, &truth),
         };
         Ok(Made { result, chapter, best, truth })
@@ -109,8 +108,8 @@ pub(super) fn pairs(
             pairs.push(Pair {
                 train: training.title,
                 test: test.title,
-                chapter: label(chapter.clone(), test, &truth, Doorways::Skip, progress)?.setting,
-                best: label(best.clone(), test, &truth, Doorways::Mark, progress)?.setting,
+                chapter: label(chapter.clone(), test, &truth, &Config::chapter(), progress)?.setting,
+                best: label(best.clone(), test, &truth, &Config::default(), progress)?.setting,
             });
         }
     }

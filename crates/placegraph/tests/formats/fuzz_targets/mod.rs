@@ -8,7 +8,7 @@ use placegraph::export::{
     rmf_nav_graph, speed_mask, tmap2, vector_shapes, zone_mask,
 };
 use placegraph::geom::Point2;
-use placegraph::grid::{CellGraph, OccupancyGrid};
+use placegraph::grid::{FreeSpace, OccupancyGrid};
 use placegraph::import::{
     Format, LabelCoding, ReadOptions, TrainingFile, carmen, image, read_image, read_labels, read_rooms, ros,
 };
@@ -86,7 +86,7 @@ pub fn model(bytes: &[u8]) {
         boosted.relaxation.iterations = boosted.relaxation.iterations.min(50);
     }
     let found = pipeline::analyze(&small_map(), &model, &pipeline::Config::default(), &Silent);
-    assert_distributions(&model.label(&small_map(), &found.graph, &Silent).classified);
+    assert_distributions(&pipeline::classify(&small_map(), &found.space, &model, &Silent).field);
     assert_distributions(&found.smoothed);
 }
 
@@ -173,11 +173,12 @@ pub fn edits(bytes: &[u8]) {
         return;
     };
     let map = small_map();
-    let graph = CellGraph::new(&map.cells);
+    let space = FreeSpace::of(&map);
+    let graph = &space.graph;
     let label = |x: u32| Label([1, 2, 0][(x > 4) as usize + (x > 5) as usize]);
     let labels: Labeling = graph.cells().iter().map(|cell| label(cell.x)).collect();
-    let regions = connected(&graph, &labels, DiagonalSteps::default());
-    let edited = apply(&map.frame, &graph, &LabelSet::default(), regions, &file.edits);
+    let regions = connected(graph, &labels, DiagonalSteps::default());
+    let edited = apply(&space, &LabelSet::default(), regions, &file.edits);
     assert_eq!(edited.outcomes.len(), file.edits.len());
     let n_cells: u32 = edited.regions.regions.iter().map(|region| region.n_cells).sum();
     assert!(n_cells as usize == graph.n_nodes() && edited.regions.regions.iter().all(|r| r.n_cells > 0));

@@ -3,7 +3,7 @@
 #![allow(dead_code, reason = "every test file uses a part of it")]
 
 use placegraph::geom::{Point2, Pose2};
-use placegraph::grid::{Cell, CellGraph, Grid, GridShape, MapFrame, Occupancy, OccupancyGrid};
+use placegraph::grid::{Cell, CellGraph, FreeSpace, Grid, GridShape, MapFrame, Occupancy, OccupancyGrid};
 use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::regions::{DiagonalSteps, RegionMap, connected};
 use placegraph::topology::{Place, PlaceId, TopologicalMap, build, lay_routes};
@@ -38,7 +38,7 @@ pub(crate) const SCALE: u32 = 5;
 /// A map, its parts by class, and what was made of them.
 pub(crate) struct Building {
     pub(crate) grid: OccupancyGrid,
-    pub(crate) graph: CellGraph,
+    pub(crate) space: FreeSpace,
     pub(crate) labels: LabelSet,
     pub(crate) regions: RegionMap,
     pub(crate) map: TopologicalMap,
@@ -92,9 +92,10 @@ pub(crate) fn finish(
 ) -> Building {
     let third = vec![1.0 / labels.len() as f32; labels.len() * graph.n_nodes()];
     let field = LabelField::from_rows(labels.len(), third);
-    let mut map = build(&graph, &grid.frame, &field, &regions, &labels);
-    lay_routes(&mut map, &grid.frame, &graph, &regions);
-    Building { grid, graph, labels, regions, map }
+    let space = FreeSpace { frame: grid.frame, graph };
+    let mut map = build(&space, &field, &regions, &labels);
+    lay_routes(&mut map, &space, &regions);
+    Building { grid, space, labels, regions, map }
 }
 
 impl Building {
@@ -111,7 +112,7 @@ impl Building {
     /// The place there.
     pub(crate) fn place_at(&self, x: u32, y: u32) -> &Place {
         let cell = self.grid.frame.cell_at(self.at(x, y)).unwrap();
-        let node = self.graph.node_at(cell).unwrap();
+        let node = self.space.graph.node_at(cell).unwrap();
         self.map.place(PlaceId(self.regions.region_of[node].0 + 1)).unwrap()
     }
 }

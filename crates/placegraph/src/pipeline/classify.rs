@@ -1,14 +1,13 @@
-//! How the nodes of a map are labeled, whatever the method.
+//! Sect. 4.2 to 4.4, or 4.6.1: what every free cell's own scan says of it.
 
 use std::ops::Range;
 
-use super::{BoostedModel, Method, Model};
-use crate::amn;
+use crate::amn::infer::Potentials;
 use crate::boost::DecisionList;
-use crate::grid::{Cell, CellGraph, OccupancyGrid};
-use crate::labels::{LabelField, Labeling};
+use crate::grid::{Cell, CellGraph, FreeSpace, OccupancyGrid};
+use crate::labels::LabelField;
+use crate::model::{BoostedModel, Method, Model};
 use crate::progress::{Progress, Stage};
-use crate::relax::relax_in_place;
 use crate::scan::ScanConfig;
 
 /// Cells that are classified at a time: what is stored of each meanwhile takes 8 bytes.
@@ -16,44 +15,42 @@ const MIN_STRIP: usize = 1 << 19;
 /// Most strips of a map: each takes a pass over the map.
 const MAX_STRIPS: usize = 16;
 
-/// What a method says of the nodes of a map.
+/// What every node's own scan says of it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Labeled {
+pub struct Classified {
     /// Distribution of every node by its own scan (Sect. 4.3 or 4.6.1).
-    pub classified: LabelField,
-    /// The same after the neighbors were heard (Sect. 4.5 or 4.6).
-    pub smoothed: LabelField,
-    /// The label of every node after the neighbors were heard.
-    pub labeling: Labeling,
+    pub field: LabelField,
+    /// The potentials of Eq. (4.9), if the model is a network.
+    pub(super) potentials: Option<Potentials>,
 }
 
-impl Model {
-    /// Labels the nodes of `graph`, the free cells of `map`: [`Stage::Classify`] and [`Stage::Smooth`] of the pipeline.
-    ///
-    /// Memory of the boosted method, beside the result: half a byte a cell, or 4 MB.
-    pub fn label(&self, map: &OccupancyGrid, graph: &CellGraph, progress: &dyn Progress) -> Labeled {
-        progress.begin(Stage::Classify);
-        match &self.method {
-            Method::Boosted(BoostedModel { list, relaxation, compatibility }) => {
-                let n_nodes = MIN_STRIP.max(graph.n_nodes().div_ceil(MAX_STRIPS));
-                let classified = classify(map, graph, list, &self.scan, n_nodes, progress);
-                progress.begin(Stage::Smooth);
-                let mut smoothed = classified.clone();
-                relax_in_place(graph, &mut smoothed, compatibility, relaxation);
-                Labeled { labeling: smoothed.most_likely(), classified, smoothed }
-            }
-            Method::Iamn(model) => {
-                let features = model.node_features(map, graph.cells(), &self.scan, progress);
-                progress.begin(Stage::Smooth);
-                let found = amn::label(graph, &features, &model.network);
-                Labeled { classified: found.alone, smoothed: found.field, labeling: found.labeling }
-            }
+/// Classifies the free cells of `map`, each by its own scan: scans, features and the decision list (Sect. 4.2 to 4.4), or the
+/// node potentials of a network (Sect. 4.6.1).
+///
+/// Memory of the boosted method, in addition to the result: half a byte a cell, or 4 MB.
+pub fn classify(
+    map: &OccupancyGrid,
+    space: &FreeSpace,
+    model: &Model,
+    progress: &dyn Progress,
+) -> Classified {
+    let graph = &space.graph;
+    match &model.method {
+        Method::Boosted(BoostedModel { list, .. }) => {
+            let n_nodes = MIN_STRIP.max(graph.n_nodes().div_ceil(MAX_STRIPS));
+            let field = classify_in_strips(map, graph, list, &model.scan, n_nodes, progress);
+            Classified { field, potentials: None }
+        }
+        Method::Iamn(network) => {
+            let features = network.node_features(map, graph.cells(), &model.scan, progress);
+            let potentials = network.network.potentials(&features);
+            Classified { field: network.network.alone(&potentials), potentials: Some(potentials) }
         }
     }
 }
 
 /// The distribution that `list` gives every node, in strips of about `n_nodes` nodes.
-fn classify(
+fn classify_in_strips(
     map: &OccupancyGrid,
     graph: &CellGraph,
     list: &DecisionList,
@@ -131,7 +128,8 @@ mod tests {
             classifiers: vec![classifier("A1", 1.0), classifier("B1", 9.0)],
             temperature: 1.0,
         };
-        let field = |n_nodes| classify(&map, &graph, &list, &ScanConfig::default(), n_nodes, &Silent);
+        let field =
+            |n_nodes| classify_in_strips(&map, &graph, &list, &ScanConfig::default(), n_nodes, &Silent);
         let whole = field(usize::MAX);
         assert!(strips(&graph, 1).len() == 12 && strips(&graph, usize::MAX).len() == 1);
         assert!(field(1) == whole && field(3000) == whole);

@@ -1,0 +1,202 @@
+//! The chapter as one function: a map and a model in, labels, regions and the topological map out.
+//!
+//! [`analyze`] reads like the chapter's table of contents. What is freed early, and why, is decided below it.
+
+mod classify;
+mod smooth;
+
+use std::collections::BTreeSet;
+
+use crate::doorways::{self, DoorwayConfig};
+use crate::grid::{FreeSpace, GridShape, OccupancyGrid};
+use crate::labels::{Label, LabelField, Labeling};
+use crate::model::{Method, Model};
+use crate::progress::{Progress, Stage};
+use crate::regions::{DiagonalSteps, RegionId, RegionMap, connected, correct, islands, label_islands};
+use crate::relax::relax_in_place;
+use crate::spaces::{self, SpaceConfig};
+use crate::topology::edits::{self, Edit, Edited, NotApplied};
+use crate::topology::identity::{CarriedOver, Change, carry_over};
+use crate::topology::{self, PlaceId, TopologicalMap};
+
+pub use classify::{Classified, classify};
+pub use smooth::{Smoothed, smooth};
+
+/// Which stages run with which numbers, and what is known of the map's places before.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Config {
+    /// How narrow passages become doorways, whatever their cells were labeled ([`doorways::mark`]). With `None`,
+    /// doorways are what the classifier says, as in the chapter.
+    pub doorways: Option<DoorwayConfig>,
+    /// How the spaces between doorways are labeled as a whole ([`spaces::label`]). With `None`, every cell keeps its own
+    /// label, as in the chapter.
+    pub spaces: Option<SpaceConfig>,
+    /// Whether small regions, and doorways that join nothing, are relabeled (Sect. 4.7).
+    pub correction: bool,
+    /// Corrections by hand, applied after the automatic ones in this order.
+    pub edits: Vec<Edit>,
+    /// An earlier result: places that are still there keep its numbers and names.
+    pub previous: Option<TopologicalMap>,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            doorways: Some(DoorwayConfig::default()),
+            spaces: Some(SpaceConfig::default()),
+            correction: true,
+            edits: Vec::new(),
+            previous: None,
+        }
+    }
+}
+
+impl Config {
+    /// The chapter's stages alone: nothing between the labels of Sect. 4.5 or 4.6 and the regions of Sect. 4.7.
+    pub fn chapter() -> Self {
+        Self { doorways: None, spaces: None, ..Self::default() }
+    }
+}
+
+/// Every result of the pipeline. Fields and labels are over the nodes of `space.graph`.
+#[derive(Clone, Debug)]
+pub struct Analysis {
+    /// The map's free cells and where they are.
+    pub space: FreeSpace,
+    /// The most probable label of every node by its own scan (Sect. 4.3 or 4.6.1); [`classify`] gives the distributions.
+    pub classified: Labeling,
+    /// Distribution of every node after smoothing over its neighbors (Sect. 4.5 or 4.6).
+    pub smoothed: LabelField,
+    /// The regions, corrected if asked for (Sect. 4.7) and edited.
+    pub regions: RegionMap,
+    /// The label of every node: that of its region.
+    pub labeling: Labeling,
+    /// The topological map of the regions.
+    pub topology: TopologicalMap,
+    /// Number of every region's place; `None` for an [island](crate::regions::islands()), which is none.
+    pub place_ids: Vec<Option<PlaceId>>,
+    /// What became of every edit.
+    pub edit_outcomes: Vec<Result<(), NotApplied>>,
+    /// What changed since the earlier result; empty without one.
+    pub changes: Vec<Change>,
+}
+
+/// Labels `map` with `model` and builds its topological map.
+///
+/// Same map and model, same bits, on any number of threads. Cost: linear in the free cells.
+pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &dyn Progress) -> Analysis {
+    let label_set = &model.label_set;
+    let space = FreeSpace::of(map); // the graph G = (V, E): Sect. 4.5
+
+    progress.begin(Stage::Classify); // scans, features, decision list: Sect. 4.2 to 4.4; for a network: 4.6.1
+    let classified = classify(map, &space, model, progress);
+
+    progress.begin(Stage::Smooth); // relaxation: Sect. 4.5; or the network: Sect. 4.6
+    let Smoothed { classified, mut smoothed, mut labeling } = smooth(&space, classified, model);
+    let by_scan = classified.most_likely();
+
+    if let Some(config) = &config.doorways {
+        progress.begin(Stage::Doorways); // not in the chapter
+        labeling = doorways::mark(&space, &smoothed, &labeling, label_set, config);
+    }
+
+    if let Some(config) = &config.spaces {
+        progress.begin(Stage::Spaces); // not in the chapter
+        (labeling, smoothed) = label_spaces(&space, classified, smoothed, &labeling, model, config);
+    } else {
+        drop(classified);
+    }
+
+    progress.begin(Stage::Regions); // connected cells of one label: Sect. 4.7
+    let mut regions = connected(&space.graph, &labeling, DiagonalSteps::default());
+    drop(labeling);
+
+    if config.correction {
+        progress.begin(Stage::Correct); // the two heuristics by size: Sect. 4.7
+        regions = correct_regions(&space, regions, model);
+    }
+
+    if !config.edits.is_empty() {
+        progress.begin(Stage::Edits); // by hand
+    }
+    let Edited { regions, names, outcomes } = edits::apply(&space, label_set, regions, &config.edits);
+
+    progress.begin(Stage::Topology); // places and how they connect: Sect. 4.7
+    let mut built = topology::build(&space, &smoothed, &regions, label_set);
+    if config.correction {
+        leave_out_islands(&space, &regions, model, &mut built);
+    }
+
+    let names = names.into_iter().map(|(region, name)| (topology::place_id(region), name)).collect();
+    let CarriedOver { map: topology, renumbered, changes } = match &config.previous {
+        Some(previous) => {
+            progress.begin(Stage::Identity); // numbers and names of an earlier result
+            carry_over(&built, GridShape::of(map), previous, &names)
+        }
+        None => CarriedOver::first(&built, &names),
+    };
+    let number = |region| renumbered.get(&topology::place_id(RegionId(region as u32))).copied();
+    let place_ids = (0..regions.regions.len()).map(number).collect();
+    let labeling = regions.labeling();
+    Analysis {
+        space,
+        classified: by_scan,
+        smoothed,
+        regions,
+        labeling,
+        topology,
+        place_ids,
+        edit_outcomes: outcomes,
+        changes,
+    }
+}
+
+/// Memory that [`analyze`] and the files of its result take at most beside the map and 64 MB, in bytes: a multiple of the
+/// map's cells, of which `n_free` are free (`docs/reliability.md`). Most maps take half of it: the bound is that of a map which
+/// is one space.
+pub fn memory_bytes(n_cells: u64, n_free: u64, n_labels: usize) -> u64 {
+    n_cells * 48 + n_free * 9 * n_labels as u64
+}
+
+/// Nodes up to which the smoothed field is kept in addition to the other while spaces are cut. Both and a cut take more memory than
+/// all else; of larger maps the field is smoothed again, which is cheap.
+const MAX_KEPT: usize = 1 << 20;
+
+/// The labels of the spaces between doorways, and the smoothed field.
+fn label_spaces(
+    space: &FreeSpace,
+    mut classified: LabelField,
+    smoothed: LabelField,
+    labeling: &[Label],
+    model: &Model,
+    config: &SpaceConfig,
+) -> (Labeling, LabelField) {
+    let label = |evidence| spaces::label(space, evidence, labeling, &model.label_set, config);
+    match &model.method {
+        Method::Boosted(boosted) if space.graph.n_nodes() > MAX_KEPT => {
+            drop(smoothed);
+            let labeling = label(&classified);
+            relax_in_place(&space.graph, &mut classified, &boosted.compatibility, &boosted.relaxation);
+            (labeling, classified)
+        }
+        Method::Boosted(_) => (label(&classified), smoothed),
+        // A network learns its node scores together with its edges; alone they say little.
+        Method::Iamn(_) => (label(&smoothed), smoothed),
+    }
+}
+
+/// `found` without regions that are too small for their class; islands take the label of what is around them.
+fn correct_regions(space: &FreeSpace, found: RegionMap, model: &Model) -> RegionMap {
+    let thresholds = &model.thresholds;
+    let corrected = correct(space, &found, &model.label_set, thresholds).regions;
+    drop(found);
+    let islands = islands(space, &corrected, thresholds.min_island_m2);
+    label_islands(&space.graph, corrected, &islands)
+}
+
+/// Takes the places of islands out of `map`. Edits may have made islands, or joined them to something.
+fn leave_out_islands(space: &FreeSpace, regions: &RegionMap, model: &Model, map: &mut TopologicalMap) {
+    let islands = islands(space, regions, model.thresholds.min_island_m2);
+    let ids: BTreeSet<PlaceId> = islands.into_iter().map(topology::place_id).collect();
+    map.places.retain(|place| !ids.contains(&place.id));
+}
