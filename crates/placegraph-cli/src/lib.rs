@@ -17,7 +17,7 @@ use placegraph::scan::Instructions;
 
 use crate::args::{Cli, Command};
 use crate::commands::{
-    Outcome, evaluate, export, features, generate, info, locate, map, reproduce, route, scan, shell, train,
+    Outcome, evaluate, export, features, generate, info, locate, map, route, scan, shell, train,
 };
 
 /// Runs the program with `args`, the first of which is its own name, and returns its exit status.
@@ -64,7 +64,6 @@ fn execute(cli: &Cli) -> Result<Outcome> {
         Command::Route(args) => route::run(args),
         Command::Completions(args) => shell::completions(args),
         Command::Man(args) => shell::man(args),
-        Command::Reproduce(args) => reproduce::run(args, cli.verbose),
     }
 }
 

@@ -9,9 +9,6 @@ use placegraph::model::{MAX_BYTES, Model};
 
 use crate::args::MethodArg;
 
-/// Trained on generated buildings: `docs/default-model.md`.
-const EMBEDDED: &[u8] = include_bytes!("../assets/default.model.json");
-
 /// A model and what to call it.
 #[derive(Debug)]
 pub(crate) struct NamedModel {
@@ -24,8 +21,7 @@ impl NamedModel {
     /// The model in `path`, or the one inside the program.
     pub(crate) fn load(path: Option<&Path>) -> Result<Self> {
         let Some(path) = path else {
-            let model = Model::from_json(EMBEDDED).context("the model inside the program")?;
-            return Ok(Self { model, name: "default".to_owned() });
+            return Ok(Self { model: Model::builtin(), name: "default".to_owned() });
         };
         let bytes = import::read(path, MAX_BYTES as u64)
             .with_context(|| format!("could not read the model {}", path.display()))?;

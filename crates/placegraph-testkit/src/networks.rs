@@ -1,6 +1,6 @@
 //! Labeling problems on grids, the same in every language, and their solution by enumeration.
 
-use placegraph::amn::infer::Potentials;
+use placegraph::cuts::Potentials;
 use placegraph::grid::{CellGraph, Connectivity, Grid, Occupancy};
 use placegraph::labels::{Label, Labeling};
 

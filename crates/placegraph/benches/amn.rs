@@ -5,7 +5,7 @@
 #![allow(clippy::print_stdout, reason = "the scores are a result")]
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
-use placegraph::amn::infer;
+use placegraph::cuts::expand;
 use placegraph::grid::Connectivity;
 use placegraph_testkit::networks::smooth_problem;
 
@@ -19,12 +19,11 @@ fn expansion(criterion: &mut Criterion) {
         for connectivity in [Connectivity::Four, Connectivity::Eight] {
             let (graph, potentials) = smooth_problem(side, side, 3, REWARD, connectivity);
             let name = format!("{connectivity:?}, reward {REWARD}");
-            let score =
-                potentials.score(&graph, &infer::expand(&graph, &potentials, &potentials.best_alone()));
+            let score = potentials.score(&graph, &expand(&graph, &potentials, &potentials.best_alone()));
             println!("{side}x{side} {name}: score {score:.0}");
             group.throughput(Throughput::Elements(graph.n_nodes() as u64));
             group.bench_function(BenchmarkId::new(name, graph.n_nodes()), |bencher| {
-                bencher.iter(|| infer::expand(&graph, &potentials, &potentials.best_alone()));
+                bencher.iter(|| expand(&graph, &potentials, &potentials.best_alone()));
             });
         }
     }

@@ -152,7 +152,7 @@ fn measure(
 
 /// The features that the program's own model looks at.
 fn default_columns() -> Vec<FeatureId> {
-    let model = Model::from_json(include_bytes!("../../placegraph-cli/assets/default.model.json")).unwrap();
+    let model = Model::builtin();
     let Method::Boosted(boosted) = &model.method else { return Vec::new() };
     let stumps = boosted.list.classifiers.iter().flat_map(|classifier| &classifier.stumps);
     let mut columns: Vec<_> = stumps.map(|weighted| weighted.stump.feature).collect();

@@ -34,7 +34,7 @@ use maps::{dump, is_door, office};
 const WIDTHS: [u32; 3] = [160, 640, 1160];
 
 fn model() -> Model {
-    Model::from_json(include_bytes!("../../placegraph-cli/assets/default.model.json")).unwrap()
+    Model::builtin()
 }
 
 /// Doors, corridors and rooms where they are, and some cells labeled wrong.

@@ -12,24 +12,27 @@
 //! | relaxation labeling over the 8-neighborhood | [`relax`] | 4.5 |
 //! | or: instance-based associative Markov network | [`amn`] | 4.6 |
 //! | narrow passages marked as doorways (not in the chapter) | [`doorways`] | |
+//! | the spaces between them labeled as a whole (not in the chapter) | [`spaces`] | |
 //! | regions and the two corrections by size | [`regions`] | 4.7 |
 //! | the topological map | [`topology`] | 4.7 |
 //!
 //! The library prints nothing, reads no clock, draws no random numbers and has no globals: the same input
 //! gives the same bits on any number of threads.
 //!
-//! A module uses only what stands to its left (`tests/house/dependency_order.rs` checks it):
-//! `geom → grid → scan → labels → features → {boost, relax, amn} → doorways → regions → topology → model →
-//! {training, eval, import, export, pipeline}`.
+//! The order of the modules is in `ARCHITECTURE.md`: each uses only those before it.
 
 pub mod amn;
 pub mod boost;
+pub mod cuts;
+pub mod document;
 pub mod doorways;
 pub mod eval;
+#[cfg(feature = "export")]
 pub mod export;
 pub mod features;
 pub mod geom;
 pub mod grid;
+#[cfg(feature = "import")]
 pub mod import;
 pub mod labels;
 pub mod model;
@@ -39,5 +42,6 @@ pub mod regions;
 pub mod relax;
 pub mod scan;
 pub mod spaces;
+pub mod syntax;
 pub mod topology;
 pub mod training;

@@ -51,8 +51,6 @@ pub(crate) enum Command {
     Completions(CompletionsArgs),
     /// Print the manual page, of the program or of a command
     Man(ManArgs),
-    /// Run the chapter's experiments on its maps and set the figures side by side
-    Reproduce(ReproduceArgs),
 }
 
 /// How a map file is read.
@@ -342,17 +340,6 @@ pub(crate) struct ExportArgs {
     pub(crate) map: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct ReproduceArgs {
-    /// Folder with the maps: `fr79_slam`, `fr52_slam` and `sdr_b_slam`, each with `map.yaml`, its image and `labels.png`
-    #[arg(value_name = "DATA")]
-    pub(crate) data: PathBuf,
-    /// Folder for `results.md`, `results.json` and the pictures in `results/`; the page links to your own
-    /// `results-remarks.md`, if that is there
-    #[arg(short, long, value_name = "DIR", default_value = "reproduction")]
-    pub(crate) out: PathBuf,
 }
 
 #[derive(Debug, Args)]

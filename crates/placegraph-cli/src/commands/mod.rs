@@ -7,7 +7,6 @@ pub(crate) mod generate;
 pub(crate) mod info;
 pub(crate) mod locate;
 pub(crate) mod map;
-pub(crate) mod reproduce;
 pub(crate) mod route;
 pub(crate) mod scan;
 pub(crate) mod shell;

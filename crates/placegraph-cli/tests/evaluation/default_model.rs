@@ -57,7 +57,7 @@ fn data() -> Option<(PathBuf, bool)> {
 }
 
 fn model() -> Model {
-    Model::from_json(include_bytes!("../../assets/default.model.json")).unwrap()
+    Model::builtin()
 }
 
 fn load(folder: &Path) -> OccupancyGrid {
@@ -193,7 +193,7 @@ impl Redrawn {
     }
 
     fn redrawn(&self, cell: Cell) -> Point2 {
-        let from_middle = Point2::new(cell.x as f64 + 0.5, cell.y as f64 + 0.5) - self.middles[0];
+        let from_middle = cell.center() - self.middles[0];
         let turned: Vec2 = from_middle.rotated(self.angle_rad);
         self.middles[1] + turned * (1.0 / self.factor)
     }

@@ -322,10 +322,3 @@ fn a_map_without_free_cells_is_told_and_labeled() {
         serde_json::from_slice(&fs::read(out.join("topology.json")).unwrap()).unwrap();
     assert_eq!(document["places"].as_array().map(Vec::len), Some(0));
 }
-
-#[test]
-fn the_chapters_maps_are_asked_for_by_name() {
-    let empty = TempDir::new().unwrap();
-    refused(&[&"reproduce", &empty.path()], &["fr79_slam", "map.yaml"]);
-    refused(&[&"reproduce", &empty.path().join("none")], &["expected a folder", "none"]);
-}

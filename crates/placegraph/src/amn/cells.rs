@@ -3,27 +3,18 @@
 
 use std::borrow::Cow;
 
+use super::config::IamnConfig;
 use super::iamn::{Standardization, distance_of_missing};
 use super::nearest::Exemplars;
-use super::train::IamnConfig;
 use crate::features::FeatureTable;
-use crate::grid::{Cell, CellGraph, Grid, Occupancy};
+use crate::grid::{Cell, CellGraph, FreeSpace, Grid, Occupancy};
 use crate::labels::{Label, Labeling};
-
-/// The labeled cells of one map.
-#[derive(Clone, Copy, Debug)]
-pub struct TrainingMap<'a> {
-    /// The cells to learn from; cells without a label, or held out, are no nodes.
-    pub graph: &'a CellGraph,
-    /// Side of a cell of the graph, in meters.
-    pub resolution_m: f64,
-}
 
 /// What is learned from: the nodes of some maps, map after map.
 #[derive(Clone, Copy, Debug)]
 pub struct LabeledCells<'a> {
-    /// The maps.
-    pub maps: &'a [TrainingMap<'a>],
+    /// The cells to learn from, map by map; cells without a label, or held out, are no nodes.
+    pub maps: &'a [FreeSpace],
     /// The features of their nodes.
     pub table: &'a FeatureTable,
     /// The true labels of their nodes.
@@ -35,8 +26,8 @@ pub struct LabeledCells<'a> {
     pub scores: &'a [f32],
 }
 
-/// A part of a training map with the features of its nodes.
-pub(super) struct Part<'a> {
+/// A part of a map with the features of its nodes.
+pub(super) struct MapPart<'a> {
     pub(super) graph: Cow<'a, CellGraph>,
     pub(super) features: Vec<f32>,
     pub(super) labels: Labeling,
@@ -44,7 +35,7 @@ pub(super) struct Part<'a> {
 
 /// The cells of all maps with their distances to the exemplars of every block.
 pub(super) struct TrainingCells<'a> {
-    maps: &'a [TrainingMap<'a>],
+    maps: &'a [FreeSpace],
     labels: &'a [Label],
     scores: &'a [f32],
     pub(super) n_labels: usize,
@@ -71,7 +62,7 @@ impl<'a> TrainingCells<'a> {
         let n_nodes: usize = maps.iter().map(|map| map.graph.n_nodes()).sum();
         assert!(n_nodes == labels.len() && n_nodes == table.n_rows(), "a row and a label per node");
         assert!(scores.len().is_multiple_of(n_nodes.max(1)), "as many scores for every node");
-        let blocks: Vec<usize> = maps.iter().flat_map(|map| blocks_of(map.graph, config.n_blocks)).collect();
+        let blocks: Vec<usize> = maps.iter().flat_map(|map| blocks_of(&map.graph, config.n_blocks)).collect();
         let exemplars = thin(labels, n_labels, config.max_exemplars_per_class);
         let exemplar_rows: Vec<f32> =
             exemplars.iter().flat_map(|&i| &rows[i * n_features..(i + 1) * n_features]).copied().collect();
@@ -102,7 +93,7 @@ impl<'a> TrainingCells<'a> {
         n_neighbors: usize,
         of: impl Fn(usize) -> bool,
         to: impl Fn(usize) -> bool,
-    ) -> Vec<Part<'a>> {
+    ) -> Vec<MapPart<'a>> {
         let mut first = 0;
         let mut parts = Vec::new();
         for map in self.maps {
@@ -110,12 +101,12 @@ impl<'a> TrainingCells<'a> {
             first = all.end;
             let rows: Vec<usize> = all.clone().filter(|&i| of(self.blocks[i])).collect();
             let graph = if rows.len() == all.len() {
-                Cow::Borrowed(map.graph)
+                Cow::Borrowed(&map.graph)
             } else {
-                Cow::Owned(subgraph(map.graph, rows.iter().map(|&i| i - all.start)))
+                Cow::Owned(subgraph(&map.graph, rows.iter().map(|&i| i - all.start)))
             };
             let features = rows.iter().flat_map(|&i| self.node_features(i, n_neighbors, &to)).collect();
-            parts.push(Part { graph, features, labels: rows.iter().map(|&i| self.labels[i]).collect() });
+            parts.push(MapPart { graph, features, labels: rows.iter().map(|&i| self.labels[i]).collect() });
         }
         parts
     }
@@ -154,10 +145,10 @@ impl Place {
     }
 }
 
-fn places(maps: &[TrainingMap<'_>], exclusion_m: f64) -> Vec<Place> {
-    let of_map = |(map, m): (usize, &TrainingMap<'_>)| {
+fn places(maps: &[FreeSpace], exclusion_m: f64) -> Vec<Place> {
+    let of_map = |(map, m): (usize, &FreeSpace)| {
         // Without a radius the cell itself is still left out.
-        let unit = m.resolution_m / exclusion_m.max(m.resolution_m);
+        let unit = m.resolution_m() / exclusion_m.max(m.resolution_m());
         let place = move |cell: &Cell| Place { map, x: cell.x as f64 * unit, y: cell.y as f64 * unit };
         m.graph.cells().iter().map(place).collect::<Vec<_>>()
     };
@@ -221,10 +212,9 @@ mod tests {
 
     #[test]
     fn near_exemplars_do_not_count_for_a_training_cell() {
-        let graph = graph("......");
         let table = FeatureTable::from_columns(vec![FeatureId(0)], 6, (0..6u8).map(f32::from).collect());
         let labels = [0, 0, 0, 0, 0, 1].map(Label);
-        let maps = [TrainingMap { graph: &graph, resolution_m: 0.5 }];
+        let maps = [FreeSpace::of(&OccupancyGrid::from_ascii(0.5, "......"))];
         let scores: Vec<f32> = (0..6u8).map(|i| f32::from(i) / 8.0).collect();
         let cells =
             LabeledCells { maps: &maps, table: &table, labels: &labels, n_labels: 2, scores: &scores };

@@ -4,7 +4,7 @@
 //! Max-marginals would need a cut per cell and label. The conditional distribution costs one pass; what it cannot know
 //! is that neighbors may be wrong together, which the temperature makes up for on average.
 
-use super::infer::Potentials;
+use crate::cuts::Potentials;
 use crate::grid::CellGraph;
 use crate::labels::{Label, LabelField};
 

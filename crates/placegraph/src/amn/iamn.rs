@@ -10,10 +10,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::confidence;
-use super::infer::{self, Potentials};
 use super::model::Weights;
 use super::model_file::IamnFile;
 use super::nearest::Exemplars;
+use crate::cuts::{Potentials, expand_from_all};
 use crate::features::{FeatureId, FeatureTable};
 use crate::grid::{CellGraph, Connectivity};
 use crate::labels::{Label, LabelField, Labeling};
@@ -105,7 +105,7 @@ impl IamnModel {
         self.weights.n_features() - self.weights.n_labels() * self.n_neighbors
     }
 
-    /// τ of every row of `table`, Eq. (4.11): K · M distances, class by class, ascending.
+    /// τ of every row of `table`, Eq. (4.11), or Eq. (4.10) with one neighbor: K · M distances, class by class, ascending.
     ///
     /// # Panics
     /// If the table lacks a feature of the model.
@@ -141,7 +141,7 @@ impl IamnModel {
     /// # Panics
     /// If potentials and nodes differ in number.
     pub fn infer(&self, graph: &CellGraph, potentials: &Potentials) -> (Labeling, LabelField) {
-        let labeling = infer::expand_from_all(graph, potentials);
+        let labeling = expand_from_all(graph, potentials);
         let scores = confidence::conditional_scores(graph, potentials, &labeling);
         let field = confidence::field(&scores, self.weights.n_labels(), self.temperature);
         (labeling, field)

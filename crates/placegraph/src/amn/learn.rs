@@ -10,15 +10,15 @@
 //! every node and edge. The weights are few here, so planes need far less memory; for two labels both have the same
 //! solution, for more the program relaxes the inference and the planes approximate it by α-expansion.
 
-use super::infer::{self, Potentials};
 use super::model::{Weights, sufficient_statistics};
 use super::working_set::{Plane, WorkingSet};
+use crate::cuts::{Potentials, expand};
 use crate::grid::{CellGraph, Connectivity};
 use crate::labels::{Label, Labeling};
 
 /// A labeled map as the learner sees it.
 #[derive(Clone, Copy, Debug)]
-pub struct Example<'a> {
+pub struct LabeledGraph<'a> {
     /// The labeled cells.
     pub graph: &'a CellGraph,
     /// Node features, one row per node, the constant left out.
@@ -86,7 +86,7 @@ pub struct Learned {
 /// The planes found so far; they hold for every C, so that a series of costs shares them.
 #[derive(Clone, Debug)]
 pub struct Learner<'a> {
-    examples: Vec<Example<'a>>,
+    examples: Vec<LabeledGraph<'a>>,
     config: LearnConfig,
     n_nodes: f64,
     loss_of_class: Vec<f64>,
@@ -100,8 +100,8 @@ impl<'a> Learner<'a> {
     ///
     /// # Panics
     /// If an example has not one row of features and one label per node.
-    pub fn new(examples: &[Example<'a>], n_labels: usize, config: &LearnConfig) -> Self {
-        let statistics = |e: &Example<'_>| {
+    pub fn new(examples: &[LabeledGraph<'a>], n_labels: usize, config: &LearnConfig) -> Self {
+        let statistics = |e: &LabeledGraph<'_>| {
             assert_eq!(e.labels.len(), e.graph.n_nodes(), "a label per node");
             sufficient_statistics(e.graph, e.features, e.labels, n_labels, config.connectivity)
         };
@@ -157,7 +157,7 @@ impl<'a> Learner<'a> {
         let augmented: Vec<Potentials> =
             self.examples.iter().map(|example| self.augment(example, weights)).collect();
         let from_latest: Vec<Labeling> = (0..self.examples.len())
-            .map(|e| infer::expand(self.examples[e].graph, &augmented[e], &self.latest[e]))
+            .map(|e| expand(self.examples[e].graph, &augmented[e], &self.latest[e]))
             .collect();
         self.latest = from_latest;
         let plane = self.plane();
@@ -168,7 +168,7 @@ impl<'a> Learner<'a> {
         }
         for (e, example) in self.examples.iter().enumerate() {
             for start in [example.labels.to_vec(), augmented[e].best_alone()] {
-                let labeling = infer::expand(example.graph, &augmented[e], &start);
+                let labeling = expand(example.graph, &augmented[e], &start);
                 let score = |y: &[Label]| augmented[e].score(example.graph, y);
                 if score(&labeling) > score(&self.latest[e]) {
                     self.latest[e] = labeling;
@@ -179,7 +179,7 @@ impl<'a> Learner<'a> {
     }
 
     /// S_w(y) + ℓ(y): the potentials with the loss of every wrong label added.
-    fn augment(&self, example: &Example<'_>, weights: &Weights) -> Potentials {
+    fn augment(&self, example: &LabeledGraph<'_>, weights: &Weights) -> Potentials {
         let mut potentials = weights.potentials(example.features, self.config.connectivity);
         for (row, truth) in potentials.node.chunks_exact_mut(weights.n_labels()).zip(example.labels) {
             for (k, theta) in row.iter_mut().enumerate() {
@@ -197,7 +197,7 @@ impl<'a> Learner<'a> {
         let mut gradient = vec![0.0; self.truth[0].node.len() + n_labels];
         let mut loss = 0.0;
         for ((example, truth), labeling) in self.examples.iter().zip(&self.truth).zip(&self.latest) {
-            let Example { graph, features, labels } = *example;
+            let LabeledGraph { graph, features, labels } = *example;
             let found = sufficient_statistics(graph, features, labeling, n_labels, self.config.connectivity);
             let difference = truth.node.iter().zip(&found.node).chain(truth.edge.iter().zip(&found.edge));
             gradient
@@ -211,7 +211,7 @@ impl<'a> Learner<'a> {
     }
 }
 
-fn loss_of_class(examples: &[Example<'_>], n_labels: usize, loss: Loss) -> Vec<f64> {
+fn loss_of_class(examples: &[LabeledGraph<'_>], n_labels: usize, loss: Loss) -> Vec<f64> {
     let mut counts = vec![0usize; n_labels];
     for label in examples.iter().flat_map(|e| e.labels) {
         counts[label.index()] += 1;

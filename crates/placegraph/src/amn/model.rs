@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::infer::{Potentials, agreeing_edges};
+use crate::cuts::{Potentials, agreeing_edges};
 use crate::grid::{CellGraph, Connectivity};
 use crate::labels::Label;
 

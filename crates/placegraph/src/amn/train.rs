@@ -11,48 +11,16 @@
 
 use rayon::prelude::*;
 
-use super::cells::{LabeledCells, Part, TrainingCells};
+use super::cells::{LabeledCells, MapPart, TrainingCells};
 use super::confidence;
+use super::config::IamnConfig;
 use super::iamn::{IamnModel, Standardization};
-use super::infer;
-use super::learn::{Example, LearnConfig, Learned, Learner};
+use super::learn::{LabeledGraph, Learned, Learner};
 use super::model::Weights;
-use crate::features::select::{self, SelectConfig, Selection};
-use crate::labels::{Label, Labeling};
+use crate::cuts::expand;
+use crate::features::select::{self, Selection};
+use crate::labels::{ConfusionMatrix, Labeling};
 use crate::progress::{Progress, Stage};
-
-/// How an instance-based network is trained.
-#[derive(Clone, Debug, PartialEq)]
-pub struct IamnConfig {
-    /// Which features are selected.
-    pub select: SelectConfig,
-    /// Values of M to try. Default 1 alone.
-    pub n_neighbors: Vec<usize>,
-    /// Values of C to try, ascending, for losses per cell. Default 10 and 100.
-    pub costs: Vec<f64>,
-    /// Exemplars closer than this to a training cell, along both axes of its map, do not count for it. Default 1 m.
-    pub exclusion_m: f64,
-    /// Parts of every map that validation holds out in turn. Default 4.
-    pub n_blocks: usize,
-    /// Of a class with more cells, evenly many in map order become exemplars. Default 8000.
-    pub max_exemplars_per_class: usize,
-    /// How weights are learned.
-    pub learn: LearnConfig,
-}
-
-impl Default for IamnConfig {
-    fn default() -> Self {
-        Self {
-            select: SelectConfig::default(),
-            n_neighbors: vec![1],
-            costs: vec![10.0, 100.0],
-            exclusion_m: 1.0,
-            n_blocks: 4,
-            max_exemplars_per_class: 8000,
-            learn: LearnConfig::default(),
-        }
-    }
-}
 
 /// How training went.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,8 +33,8 @@ pub struct IamnReport {
     pub best: usize,
     /// The weights' objective and how learning ended.
     pub learned: Learned,
-    /// Training cells by true (row) and found (column) label, K × K; near exemplars did not count for them.
-    pub training_confusion: Vec<u64>,
+    /// Training cells by true and found label; near exemplars did not count for them.
+    pub training_confusion: ConfusionMatrix,
 }
 
 /// What one choice of M and C reached on held-out blocks.
@@ -76,8 +44,8 @@ pub struct Validated {
     pub n_neighbors: usize,
     /// C.
     pub cost: f64,
-    /// Cells by true (row) and found (column) label, K × K.
-    pub confusion: Vec<u64>,
+    /// Cells by true and found label.
+    pub confusion: ConfusionMatrix,
     /// Mean F1 over the classes.
     pub macro_f1: f64,
 }
@@ -105,10 +73,10 @@ pub fn train(
     let Validated { n_neighbors, cost, .. } = validation[best];
     let temperature = confidence::fit_temperature(&held_out[best].scores, &held_out[best].labels, n_labels);
 
-    let whole: Vec<Part<'_>> = cells.parts(n_neighbors, |_| true, |_| true);
+    let whole: Vec<MapPart<'_>> = cells.parts(n_neighbors, |_| true, |_| true);
     let learned = Learner::new(&examples(&whole), n_labels, &config.learn).fit(cost);
     let on_training = label_parts(&whole, &learned.weights, config);
-    let training_confusion = confusion(&on_training.labels, &on_training.found, n_labels);
+    let training_confusion = ConfusionMatrix::of(&on_training.labels, &on_training.found, n_labels);
     let model = IamnModel {
         n_neighbors,
         exemplars: cells.exemplar_rows,
@@ -155,8 +123,8 @@ fn validate(
                 together.labels.extend(&of_costs[c].labels);
                 together.found.extend(&of_costs[c].found);
             }
-            let confusion = confusion(&together.labels, &together.found, cells.n_labels);
-            let macro_f1 = macro_f1(&confusion, cells.n_labels);
+            let confusion = ConfusionMatrix::of(&together.labels, &together.found, cells.n_labels);
+            let macro_f1 = confusion.macro_f1().unwrap_or(0.0);
             validation.push(Validated { n_neighbors, cost, confusion, macro_f1 });
             all.push(together);
         }
@@ -179,11 +147,11 @@ fn hold_out(
 }
 
 /// Labels all `parts`.
-fn label_parts(parts: &[Part<'_>], weights: &Weights, config: &IamnConfig) -> HeldOut {
+fn label_parts(parts: &[MapPart<'_>], weights: &Weights, config: &IamnConfig) -> HeldOut {
     let mut held_out = HeldOut::default();
-    for Part { graph, features, labels, .. } in parts {
+    for MapPart { graph, features, labels, .. } in parts {
         let potentials = weights.potentials(features, config.learn.connectivity);
-        let found = infer::expand(graph, &potentials, &potentials.best_alone());
+        let found = expand(graph, &potentials, &potentials.best_alone());
         held_out.scores.extend(confidence::conditional_scores(graph, &potentials, &found));
         held_out.labels.extend(labels);
         held_out.found.extend(found);
@@ -191,41 +159,9 @@ fn label_parts(parts: &[Part<'_>], weights: &Weights, config: &IamnConfig) -> He
     held_out
 }
 
-fn confusion(labels: &[Label], found: &[Label], n_labels: usize) -> Vec<u64> {
-    let mut counts = vec![0; n_labels * n_labels];
-    for (label, found) in labels.iter().zip(found) {
-        counts[label.index() * n_labels + found.index()] += 1;
-    }
-    counts
-}
-
-/// Mean over the classes of 2 TP / (2 TP + FP + FN); classes that do not occur are left out.
-fn macro_f1(confusion: &[u64], n_labels: usize) -> f64 {
-    let f1 = |k: usize| {
-        let right = confusion[k * n_labels + k];
-        let of_class: u64 = confusion[k * n_labels..(k + 1) * n_labels].iter().sum();
-        let found: u64 = confusion.iter().skip(k).step_by(n_labels).sum();
-        (of_class + found > 0).then(|| 2.0 * right as f64 / (of_class + found) as f64)
-    };
-    let present: Vec<f64> = (0..n_labels).filter_map(f1).collect();
-    present.iter().sum::<f64>() / present.len().max(1) as f64
-}
-
-fn examples<'a>(parts: &'a [Part<'_>]) -> Vec<Example<'a>> {
+fn examples<'a>(parts: &'a [MapPart<'_>]) -> Vec<LabeledGraph<'a>> {
     parts
         .iter()
-        .map(|part| Example { graph: &part.graph, features: &part.features, labels: &part.labels })
+        .map(|part| LabeledGraph { graph: &part.graph, features: &part.features, labels: &part.labels })
         .collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn macro_f1_by_hand() {
-        // Class 0: 3 right, 1 missed; class 1: none found; F1 of 6/7 and 0. A class that never occurs does not count.
-        assert!((macro_f1(&[3, 1, 0, 0], 2) - 3.0 / 7.0).abs() < 1e-12);
-        assert!((macro_f1(&[3, 0, 0, 0], 2) - 1.0).abs() < 1e-12);
-    }
 }

@@ -10,6 +10,9 @@ mod stump_search;
 
 pub use adaboost::{AdaBoostError, MIN_EDGE, PERFECT_EDGE, adaboost};
 pub use decision_list::{DecisionList, P_FLOOR};
+#[doc(hidden)]
 pub use order_search::{OrderScore, search_order};
-pub use scores::{CompiledClassifiers, Scores, table_scores};
+pub use scores::Scores;
+#[doc(hidden)]
+pub use scores::{CompiledClassifiers, table_scores};
 pub use stump::{DecisionStump, Polarity, StrongClassifier, WeightedStump, confidence};

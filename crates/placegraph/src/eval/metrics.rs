@@ -8,14 +8,14 @@ use std::fmt;
 use serde::Serialize;
 
 use crate::grid::{Connectivity, Grid};
-use crate::labels::{Label, LabelSet};
+use crate::labels::{ConfusionMatrix, Label, LabelSet};
 
 /// How often which true class was labeled as which: the counts of one or more maps.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Confusion {
-    /// Cells by true class (row) and predicted class (column). The last column counts cells that have no
-    /// predicted label; they count as wrong.
-    pub counts: Vec<Vec<u64>>,
+    /// Cells by true class (row) and predicted class (column).
+    #[serde(flatten)]
+    pub matrix: ConfusionMatrix,
     /// Wrong cells of which the predicted label occurs in the truth within their 8-neighborhood.
     pub n_near: u64,
 }
@@ -65,12 +65,10 @@ impl Confusion {
             (truth.width(), truth.height()),
             "prediction and truth are of one map"
         );
-        let n_labels = label_set.len();
-        let mut confusion = Self { counts: vec![vec![0; n_labels + 1]; n_labels], n_near: 0 };
+        let mut confusion = Self { matrix: ConfusionMatrix::new(label_set.len()), n_near: 0 };
         for (index, (&predicted, &true_label)) in predicted.values().iter().zip(truth.values()).enumerate() {
             let Some(true_label) = true_label else { continue };
-            let column = predicted.map_or(n_labels, Label::index);
-            confusion.counts[true_label.index()][column] += 1;
+            confusion.matrix.count(true_label, predicted);
             let is_near = || {
                 let cell = truth.cell(index);
                 let around = Connectivity::Eight.steps().iter().filter_map(|&step| truth.offset(cell, step));
@@ -88,49 +86,32 @@ impl Confusion {
     /// # Panics
     /// If the number of classes differs.
     pub fn add(&mut self, other: &Self) {
-        assert_eq!(self.counts.len(), other.counts.len(), "the same classes");
-        for (own, other) in self.counts.iter_mut().flatten().zip(other.counts.iter().flatten()) {
-            *own += other;
-        }
+        self.matrix.add(&other.matrix);
         self.n_near += other.n_near;
     }
 
     /// The measures that follow from the counts.
     pub fn scores(&self, label_set: &LabelSet) -> CellScores {
-        let n_cells = self.counts.iter().flatten().sum();
-        let n_correct: u64 = (0..self.counts.len()).map(|k| self.counts[k][k]).sum();
-        let classes: Vec<ClassScores> =
-            label_set.labels().map(|label| self.class_scores(label, label_set)).collect();
-        let f1: Vec<f64> = classes.iter().filter_map(|class| class.f1).collect();
+        let matrix = &self.matrix;
+        let class_scores = |label: Label| ClassScores {
+            name: label_set.class(label).name.clone(),
+            n_cells: matrix.n_true(label),
+            precision: matrix.precision(label),
+            recall: matrix.recall(label),
+            f1: matrix.f1(label),
+            iou: matrix.iou(label),
+        };
+        let (n_cells, n_correct) = (matrix.total(), matrix.n_correct());
         CellScores {
             n_cells,
-            accuracy: ratio(n_correct, n_cells),
-            accuracy_within_one_cell: ratio(n_correct + self.n_near, n_cells),
-            macro_f1: (!f1.is_empty()).then(|| f1.iter().sum::<f64>() / f1.len() as f64),
-            classes,
+            accuracy: matrix.accuracy(),
+            accuracy_within_one_cell: (n_cells > 0)
+                .then(|| (n_correct + self.n_near) as f64 / n_cells as f64),
+            macro_f1: matrix.macro_f1(),
+            classes: label_set.labels().map(class_scores).collect(),
             confusion: self.clone(),
         }
     }
-
-    fn class_scores(&self, label: Label, label_set: &LabelSet) -> ClassScores {
-        let k = label.index();
-        let true_positive = self.counts[k][k];
-        let n_cells: u64 = self.counts[k].iter().sum();
-        let n_predicted: u64 = self.counts.iter().map(|row| row[k]).sum();
-        ClassScores {
-            name: label_set.class(label).name.clone(),
-            n_cells,
-            precision: ratio(true_positive, n_predicted),
-            recall: ratio(true_positive, n_cells),
-            f1: ratio(2 * true_positive, n_cells + n_predicted),
-            iou: ratio(true_positive, n_cells + n_predicted - true_positive),
-        }
-    }
-}
-
-/// `part / whole`, or `None` for 0/0.
-fn ratio(part: u64, whole: u64) -> Option<f64> {
-    (whole > 0).then(|| part as f64 / whole as f64)
 }
 
 /// A share as a percentage, or a dash.
@@ -165,7 +146,7 @@ impl fmt::Display for CellScores {
         let names = self.classes.iter().map(|class| class.name.as_str()).chain(["none"]);
         let header = names.map(|name| format!(" {name:>10}")).collect::<Vec<_>>().concat();
         writeln!(f, "{:width$}{header}", "true class")?;
-        for (class, row) in self.classes.iter().zip(&self.confusion.counts) {
+        for (class, row) in self.classes.iter().zip(&self.confusion.matrix.counts) {
             let counts = row.iter().map(|count| format!(" {count:>10}")).collect::<Vec<_>>().concat();
             writeln!(f, "{:width$}{counts}", class.name)?;
         }
@@ -193,7 +174,7 @@ mod tests {
         let truth = grid("cccrr cccrr .....");
         let predicted = grid("ccrrr cc.rd ccccc");
         let confusion = Confusion::count(&predicted, &truth, &LabelSet::default());
-        assert_eq!(confusion.counts, [[4, 1, 0, 1], [0, 3, 1, 0], [0, 0, 0, 0]]);
+        assert_eq!(confusion.matrix.counts, [[4, 1, 0, 1], [0, 3, 1, 0], [0, 0, 0, 0]]);
         // The r in the third column is next to true r; the d is nowhere near a d.
         assert_eq!(confusion.n_near, 1);
 
@@ -232,7 +213,7 @@ mod tests {
         let set = LabelSet::default();
         let mut both = Confusion::count(&grid("cr"), &grid("cc"), &set);
         both.add(&Confusion::count(&grid("rr"), &grid("rc"), &set));
-        assert_eq!(both.counts[0][..2], [1, 2]);
+        assert_eq!(both.matrix.counts[0][..2], [1, 2]);
         assert_eq!(both.n_near, 1);
     }
 }

@@ -81,8 +81,7 @@ fn place_feature(place: &Place) -> Feature {
 
 /// Rings of GeoJSON repeat their first point.
 fn polygon(part: &PolygonWithHoles) -> Vec<Vec<Position>> {
-    std::iter::once(&part.exterior)
-        .chain(&part.holes)
+    part.rings()
         .map(|ring| ring.iter().chain(ring.first()).map(|&corner| position(corner)).collect())
         .collect()
 }

@@ -6,9 +6,6 @@ mod error;
 mod formats;
 mod geojson;
 mod graphml;
-mod json;
-mod json_check;
-mod json_layout;
 mod mask_settings;
 mod nav2_masks;
 mod nav2_route;
@@ -25,15 +22,15 @@ mod tmap2;
 mod waypoints;
 mod yaml;
 
+pub use crate::document::{
+    FORMAT, FileRecord, MAX_DOCUMENT_BYTES, MapInfo, ModelInfo, ProgramInfo, SkippedFormat, TopologyDocument,
+    TopologyError, VERSION,
+};
 pub use dot::dot;
 pub use error::ExportError;
 pub use formats::{Export, FORMATS, Format, MAP, formats_markdown};
 pub use geojson::regions_geojson;
 pub use graphml::graphml;
-pub use json::{
-    FORMAT, FileRecord, MAX_DOCUMENT_BYTES, MapInfo, ModelInfo, ProgramInfo, SkippedFormat, TopologyDocument,
-    TopologyError, VERSION,
-};
 pub use mask_settings::MaskSettings;
 pub use nav2_masks::{
     Keepout, MaskFiles, MaskSheet, Rotated, SpeedLimit, ValueOf, ZonePer, keepout_mask, speed_mask,

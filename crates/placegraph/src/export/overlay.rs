@@ -117,11 +117,9 @@ macro_rules! push {
 
 fn outline(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
     let mut path = String::new();
-    for polygon in &place.outline {
-        for ring in std::iter::once(&polygon.exterior).chain(&polygon.holes) {
-            path += &path_data(ring, view);
-            path.push('Z');
-        }
+    for ring in place.rings() {
+        path += &path_data(ring, view);
+        path.push('Z');
     }
     let color = dark(place, label_set);
     push!(

@@ -84,7 +84,7 @@ fn on_page(input: &ReportInput<'_>, point: Point2) -> Value {
 
 fn place_data(input: &ReportInput<'_>, place: &Place, is_speck: bool) -> Value {
     let points = |ring: &Vec<Point2>| ring.iter().map(|&point| on_page(input, point)).collect::<Vec<_>>();
-    let rings = place.outline.iter().flat_map(|part| std::iter::once(&part.exterior).chain(&part.holes));
+    let rings = place.rings();
     json!({
         "id": place.id,
         "name": place.name,

@@ -44,7 +44,7 @@ pub fn regions_svg(map: &TopologicalMap, labels: &LabelSet, shape: &GridShape) -
 fn fill(svg: &mut String, place: &Place, labels: &LabelSet, view: &View) {
     let color = labels.label(&place.class).map_or([200; 3], |label| labels.class(label).color);
     let mut path = String::new();
-    for ring in place.outline.iter().flat_map(|part| std::iter::once(&part.exterior).chain(&part.holes)) {
+    for ring in place.rings() {
         for (index, &corner) in ring.iter().enumerate() {
             let at = view.pixel(corner);
             let _ = write!(path, "{}{:.2} {:.2}", if index == 0 { 'M' } else { 'L' }, at.x, at.y);

@@ -58,7 +58,7 @@ pub(super) fn waypoints(map: &TopologicalMap) -> (Vec<Waypoint<'_>>, Vec<Leg<'_>
 /// Whether `point` lies inside of the outline of `place` (even–odd rule).
 fn contains(place: &Place, point: Point2) -> bool {
     let mut inside = false;
-    for ring in place.outline.iter().flat_map(|part| std::iter::once(&part.exterior).chain(&part.holes)) {
+    for ring in place.rings() {
         for (index, &a) in ring.iter().enumerate() {
             let b = ring[(index + 1) % ring.len()];
             if (a.y > point.y) != (b.y > point.y) {

@@ -4,7 +4,19 @@
 //! (A11, A12, A15), kurtosis keeps its 3 (A16), B10 is stored on a logarithmic scale, B11 has the book's form,
 //! B13 has the square root of the perimeter.
 
-use super::registry::Scale;
+/// How a value changes when all ranges are multiplied by s (Sect. 4.8.2).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// Not at all.
+    Invariant,
+    /// By a factor of s to this power.
+    Power(f64),
+    /// The quantity behind it by a factor of s to this power; the value is stored in decades and gains
+    /// power · log10 s, towards its sign, while it is far from 0.
+    Decades(f64),
+    /// By no law: the formula has a length of fixed size.
+    FixedLength,
+}
 
 /// What a family measures; the engine computes exactly these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,7 +2,8 @@
 
 use std::fmt::Write;
 
-use super::registry::{Feature, Scale, chapter183, freiburg203, lean120, old152, registry};
+use super::families::Scale;
+use super::registry::{Feature, chapter183, freiburg203, lean120, old152, registry};
 
 const INTRODUCTION: &str = "\
 # Features

@@ -20,7 +20,10 @@ pub mod select;
 mod table;
 mod values;
 
-pub use engine::{BlockValues, Job, evaluate, extract, of_scan};
+#[doc(hidden)]
+pub use engine::{BlockValues, Job, evaluate};
+pub use engine::{extract, of_scan};
+pub use families::Scale;
 pub use markdown::markdown;
-pub use registry::{Feature, Scale, all, chapter183, freiburg203, lean120, old152, registry};
+pub use registry::{Feature, all, chapter183, freiburg203, lean120, old152, registry};
 pub use table::{FeatureId, FeatureTable};

@@ -3,21 +3,7 @@
 use std::sync::LazyLock;
 
 use super::FeatureId;
-use super::families::{FAMILIES, Family, Measure};
-
-/// How a value changes when all ranges are multiplied by s (Sect. 4.8.2).
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scale {
-    /// Not at all.
-    Invariant,
-    /// By a factor of s to this power.
-    Power(f64),
-    /// The quantity behind it by a factor of s to this power; the value is stored in decades and gains
-    /// power · log10 s, towards its sign, while it is far from 0.
-    Decades(f64),
-    /// By no law: the formula has a length of fixed size.
-    FixedLength,
-}
+use super::families::{FAMILIES, Family, Measure, Scale};
 
 /// One feature: a function of a scan with 360 ranges in meters.
 #[derive(Clone, Debug, PartialEq)]

@@ -103,6 +103,35 @@ impl CellGraph {
         rows.flat_map(move |y| self.columns(y, 0..self.width).map(move |x| Cell::new(x, y)))
     }
 
+    /// `values` of the nodes where they are in the map, and `fill` in all other cells.
+    ///
+    /// # Panics
+    /// If there is not one value per node.
+    ///
+    /// # Examples
+    /// ```
+    /// use placegraph::grid::{CellGraph, OccupancyGrid};
+    ///
+    /// let graph = CellGraph::new(&OccupancyGrid::from_ascii(0.05, "..#.").cells);
+    /// assert_eq!(graph.to_grid(&[7, 8, 9], 0).values(), [7, 8, 0, 9]);
+    /// ```
+    pub fn to_grid<T: Clone>(&self, values: &[T], fill: T) -> Grid<T> {
+        assert_eq!(values.len(), self.n_nodes(), "one value per node");
+        let mut grid = Grid::filled(self.width, self.height, fill);
+        for (cell, value) in self.cells_in_rows(0..self.height).zip(values) {
+            grid[cell] = value.clone();
+        }
+        grid
+    }
+
+    /// Draws the map with a letter for every node and `#` for all other cells, the top row first: the reverse of
+    /// [`OccupancyGrid::from_ascii`](super::OccupancyGrid::from_ascii), for examples and tests.
+    pub fn to_ascii(&self, letter_of: impl Fn(usize) -> char) -> String {
+        let letters: Vec<char> = (0..self.n_nodes()).map(letter_of).collect();
+        let rows = self.to_grid(&letters, '#');
+        rows.rows_from_top().map(|row| row.iter().collect::<String>() + "\n").collect()
+    }
+
     /// The free ones of `columns` in row `y`, from the left.
     pub(crate) fn columns(&self, y: u32, columns: Range<u32>) -> impl Iterator<Item = u32> + '_ {
         let start = y as usize * self.width as usize;

@@ -94,7 +94,7 @@ impl MapFrame {
 
     /// Center of `cell`, in meters of the map frame.
     pub fn center(&self, cell: Cell) -> Point2 {
-        self.map_from_cells(Point2::new(cell.x as f64 + 0.5, cell.y as f64 + 0.5))
+        self.map_from_cells(cell.center())
     }
 
     /// The cell that contains `point` of the map frame, if column and row are not negative.

@@ -1,5 +1,7 @@
 //! A rectangular array of cells, row-major, row 0 at the map's bottom.
 
+use crate::geom::Point2;
+
 /// A cell's column `x` and row `y`, counted from the lower left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Cell {
@@ -13,6 +15,11 @@ impl Cell {
     /// The cell in column `x` and row `y`.
     pub const fn new(x: u32, y: u32) -> Self {
         Self { x, y }
+    }
+
+    /// Its center, in cells from the lower left corner of the grid.
+    pub fn center(self) -> Point2 {
+        Point2::new(self.x as f64 + 0.5, self.y as f64 + 0.5)
     }
 
     /// The cell so many columns and rows away, which exists.
@@ -40,6 +47,29 @@ impl<T> Grid<T> {
         Self { width, height, values }
     }
 
+    /// Reads a drawing: what every character means, the first line being the map's top.
+    ///
+    /// Lines are trimmed and empty lines skipped, so that drawings can be indented.
+    ///
+    /// # Panics
+    /// If lines differ in length or there are none: this is for examples and tests.
+    ///
+    /// # Examples
+    /// ```
+    /// use placegraph::grid::{Cell, Grid};
+    ///
+    /// let is_wall = Grid::from_ascii("##.\n#..", |character| character == '#');
+    /// assert!(is_wall[Cell::new(1, 1)] && !is_wall[Cell::new(1, 0)]);
+    /// ```
+    pub fn from_ascii(drawing: &str, value_of: impl Fn(char) -> T) -> Self {
+        let lines: Vec<&str> = drawing.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+        let width = lines.first().map_or(0, |line| line.chars().count());
+        let is_wide = |line: &&str| line.chars().count() == width;
+        assert!(lines.iter().all(is_wide), "all lines of a drawing are equally long");
+        let values = lines.iter().rev().flat_map(|line| line.chars().map(&value_of)).collect();
+        Self::from_rows(width as u32, lines.len() as u32, values)
+    }
+
     /// Number of columns.
     pub fn width(&self) -> u32 {
         self.width
@@ -64,6 +94,19 @@ impl<T> Grid<T> {
     pub fn row(&self, y: u32) -> &[T] {
         let start = y as usize * self.width as usize;
         &self.values[start..start + self.width as usize]
+    }
+
+    /// The rows from the top down, as images have them.
+    ///
+    /// # Examples
+    /// ```
+    /// use placegraph::grid::Grid;
+    ///
+    /// let grid = Grid::from_rows(2, 2, vec!["bottom left", "bottom right", "top left", "top right"]);
+    /// assert_eq!(grid.rows_from_top().next().unwrap(), ["top left", "top right"]);
+    /// ```
+    pub fn rows_from_top(&self) -> impl DoubleEndedIterator<Item = &[T]> + ExactSizeIterator {
+        self.values.chunks_exact(self.width as usize).rev()
     }
 
     /// Position of `cell` in [`Grid::values`].

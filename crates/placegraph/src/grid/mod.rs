@@ -24,6 +24,7 @@ pub use frame::{FrameError, MAX_ORIGIN, MAX_RESOLUTION_M, MIN_RESOLUTION_M, MapF
 pub use free_space::FreeSpace;
 pub use grid::{Cell, Grid};
 pub use neighbors::{Connectivity, DiagonalSteps};
+#[doc(hidden)]
 pub use obstacles::Obstacles;
 pub use occupancy::{Occupancy, OccupancyGrid};
 pub(crate) use runs::{Run, Runs, components};

@@ -25,9 +25,9 @@ pub struct OccupancyGrid {
 }
 
 impl OccupancyGrid {
-    /// Reads a drawing: `#` occupied, `.` free, `?` or space unknown; the first line is the map's top.
+    /// Reads a drawing: `#` occupied, `.` free, `?` unknown; the first line is the map's top.
     ///
-    /// Lines are trimmed at the left and empty lines skipped, so that drawings can be indented. The origin
+    /// Lines are trimmed and empty lines skipped, so that drawings can be indented. The origin
     /// is (0, 0, 0).
     ///
     /// # Panics
@@ -42,21 +42,15 @@ impl OccupancyGrid {
     /// assert_eq!(map.cells[Cell::new(3, 1)], Occupancy::Unknown);
     /// ```
     pub fn from_ascii(resolution_m: f64, drawing: &str) -> Self {
-        let lines: Vec<&str> = drawing.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
-        let width = lines.first().map_or(0, |line| line.chars().count());
-        let mut values = Vec::with_capacity(width * lines.len());
-        for line in lines.iter().rev() {
-            assert_eq!(line.chars().count(), width, "all lines of a drawing are equally long");
-            values.extend(line.chars().map(|character| match character {
-                '.' => Occupancy::Free,
-                '#' => Occupancy::Occupied,
-                '?' => Occupancy::Unknown,
-                other => panic!("expected one of . # ? in a drawing, found {other:?}"),
-            }));
-        }
+        let cells = Grid::from_ascii(drawing, |character| match character {
+            '.' => Occupancy::Free,
+            '#' => Occupancy::Occupied,
+            '?' => Occupancy::Unknown,
+            other => panic!("expected one of . # ? in a drawing, found {other:?}"),
+        });
         #[expect(clippy::expect_used, reason = "documented panic of a helper for examples")]
         let frame = MapFrame::new(resolution_m, Pose2::default()).expect("a resolution above 0");
-        Self { frame, cells: Grid::from_rows(width as u32, lines.len() as u32, values) }
+        Self { frame, cells }
     }
 
     /// Whether `cell` is free.

@@ -22,7 +22,9 @@ mod shape;
 mod training_file;
 
 pub use check::{MapCheck, Shares, check};
-pub use error::{MapError, has_memory};
+pub use error::MapError;
+#[doc(hidden)]
+pub use error::has_memory;
 pub use file::{MAX_TEXT_BYTES, NamedFiles, named_file, read, read_cells};
 pub use finding::{Finding, Severity};
 pub use labels::{LabelCell, LabelCoding, LabelImageError, image_size, read_labels, read_rooms};

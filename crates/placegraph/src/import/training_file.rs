@@ -16,6 +16,7 @@ use serde::Deserialize;
 
 use super::{LabelCell, LabelCoding};
 use crate::labels::{Class, LabelSet, LabelSetError, Role};
+use crate::syntax::SyntaxError;
 
 /// A training file that was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -48,8 +49,7 @@ pub enum TrainingFileError {
     #[error("expected a training file: {source}")]
     Toml {
         /// What the TOML reader found, and where.
-        #[from]
-        source: toml::de::Error,
+        source: SyntaxError,
     },
     /// It names no map.
     #[error("expected at least one [[map]] table, found none")]
@@ -60,7 +60,7 @@ pub enum TrainingFileError {
         /// Name of the class.
         name: String,
         /// What the TOML reader found.
-        source: toml::de::Error,
+        source: SyntaxError,
     },
     /// A class has both ways to paint it.
     #[error("class {name:?}: expected a gray value or a color, found both")]
@@ -122,7 +122,8 @@ impl TrainingFile {
     /// # Errors
     /// If it is no TOML, has an unknown key, names no map, or its classes contradict each other.
     pub fn from_toml(text: &str) -> Result<Self, TrainingFileError> {
-        let Tables { map: maps, classes } = toml::from_str(text)?;
+        let Tables { map: maps, classes } = toml::from_str(text)
+            .map_err(|error| TrainingFileError::Toml { source: SyntaxError::of(&error) })?;
         if maps.is_empty() {
             return Err(TrainingFileError::NoMap);
         }
@@ -145,7 +146,7 @@ fn own_classes(table: toml::Table) -> Result<(LabelSet, Vec<[u8; 3]>), TrainingF
     for (index, (name, entry)) in table.into_iter().enumerate() {
         let entry: ClassEntry = match entry.try_into() {
             Ok(entry) => entry,
-            Err(source) => return Err(TrainingFileError::Class { name, source }),
+            Err(error) => return Err(TrainingFileError::Class { name, source: SyntaxError::of(&error) }),
         };
         let paint = match (entry.value, entry.color) {
             // Beyond the last class that a label set may have, the number does not matter.

@@ -1,7 +1,9 @@
 //! Classes, labels and distributions over labels.
 
+mod confusion_matrix;
 mod field;
 mod label;
 
+pub use confusion_matrix::ConfusionMatrix;
 pub use field::LabelField;
 pub use label::{Class, Label, LabelSet, LabelSetError, Labeling, Role};

@@ -10,6 +10,7 @@ use crate::labels::{Label, LabelSet};
 use crate::regions::Thresholds;
 use crate::relax::{Compatibility, RelaxConfig};
 use crate::scan::ScanConfig;
+use crate::syntax::SyntaxError;
 
 /// The format's name, first in the file.
 pub const FORMAT: &str = "placegraph-model";
@@ -36,7 +37,7 @@ pub enum ModelError {
     #[error("expected a placegraph model, found {source}")]
     Json {
         /// What is wrong, with line and column.
-        source: serde_json::Error,
+        source: SyntaxError,
     },
     /// JSON of something else.
     #[error("expected the format {FORMAT:?}, found {found:?}")]
@@ -157,7 +158,7 @@ impl Model {
         if bytes.len() > MAX_BYTES {
             return Err(ModelError::TooLarge { found: bytes.len() });
         }
-        let json = |source| ModelError::Json { source };
+        let json = |error: serde_json::Error| ModelError::Json { source: SyntaxError::of(&error) };
         let header: Header = serde_json::from_slice(bytes).map_err(json)?;
         if header.format != FORMAT {
             return Err(ModelError::Format { found: header.format });

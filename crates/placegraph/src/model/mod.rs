@@ -1,5 +1,7 @@
 //! The trained model and its file.
 
+#[cfg(feature = "default-model")]
+mod builtin;
 mod file;
 mod hash;
 mod network;
@@ -14,7 +16,9 @@ use crate::scan::ScanConfig;
 pub use file::{FORMAT, MAX_BYTES, ModelError, VERSION};
 pub use hash::sha256_hex;
 pub use network::{NetworkModel, log_confidences};
-pub use record::{ChoiceRecord, MapRecord, NetworkRecord, OrderRecord, TrainingRecord, ValidationRecord};
+pub use record::{
+    ChoiceRecord, MapRecord, NetworkRecord, OrderRecord, TrainingRecord, TrainingSettings, ValidationRecord,
+};
 
 /// All that labeling a map needs to know.
 #[derive(Clone, Debug, PartialEq)]

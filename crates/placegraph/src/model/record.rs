@@ -20,7 +20,19 @@ pub struct TrainingRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub network: Option<NetworkRecord>,
     /// The settings of training.
-    pub settings: serde_json::Value,
+    pub settings: TrainingSettings,
+}
+
+/// The settings of training: a JSON value that nothing but people reads.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct TrainingSettings(pub(crate) serde_json::Value);
+
+impl TrainingSettings {
+    /// The settings as JSON.
+    pub fn to_json(&self) -> String {
+        self.0.to_string()
+    }
 }
 
 /// A map that a model was trained on.

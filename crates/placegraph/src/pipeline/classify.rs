@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use crate::amn::infer::Potentials;
 use crate::boost::DecisionList;
+use crate::cuts::Potentials;
 use crate::grid::{Cell, CellGraph, FreeSpace, OccupancyGrid};
 use crate::labels::LabelField;
 use crate::model::{BoostedModel, Method, Model};
@@ -62,7 +62,7 @@ fn classify_in_strips(
     let mut values = vec![0.0; graph.n_nodes() * n_labels];
     for rows in strips(graph, n_nodes) {
         let nodes = graph.nodes_in_rows(rows.clone());
-        let part = Part { whole: progress, done: nodes.start, total: graph.n_nodes() };
+        let part = PartOfStage { whole: progress, done: nodes.start, total: graph.n_nodes() };
         let mut cells: Vec<Cell> = Vec::with_capacity(nodes.len());
         cells.extend(graph.cells_in_rows(rows));
         let field = &mut values[nodes.start * n_labels..nodes.end * n_labels];
@@ -85,13 +85,13 @@ fn strips(graph: &CellGraph, n_nodes: usize) -> Vec<Range<u32>> {
 }
 
 /// The progress of a part of a stage.
-struct Part<'a> {
+struct PartOfStage<'a> {
     whole: &'a dyn Progress,
     done: usize,
     total: usize,
 }
 
-impl Progress for Part<'_> {
+impl Progress for PartOfStage<'_> {
     fn begin(&self, stage: Stage) {
         self.whole.begin(stage);
     }

@@ -74,7 +74,7 @@ pub fn correct(
     thresholds: &Thresholds,
 ) -> Corrected {
     let mut partition = Partition::new(&space.graph, regions);
-    let is_wrong = |part: &Part| is_wrong(part, space.resolution_m(), label_set, thresholds);
+    let is_wrong = |part: &Merged| is_wrong(part, space.resolution_m(), label_set, thresholds);
     let mut queue: BinaryHeap<_> =
         partition.parts.iter().filter(|part| is_wrong(part)).map(|part| Reverse(part.key())).collect();
     let (mut places, mut doorways) = (Relabeled::default(), Relabeled::default());
@@ -101,7 +101,7 @@ pub fn correct(
 }
 
 /// Whether `part` breaks the rule for its role.
-fn is_wrong(part: &Part, resolution_m: f64, label_set: &LabelSet, thresholds: &Thresholds) -> bool {
+fn is_wrong(part: &Merged, resolution_m: f64, label_set: &LabelSet, thresholds: &Thresholds) -> bool {
     let area_m2 = part.n_cells as f64 * resolution_m * resolution_m;
     match label_set.role(part.label) {
         Role::Doorway => {
@@ -112,7 +112,7 @@ fn is_wrong(part: &Part, resolution_m: f64, label_set: &LabelSet, thresholds: &T
 }
 
 /// A region while regions merge.
-struct Part {
+struct Merged {
     label: Label,
     /// 0 once it is merged into another part.
     n_cells: u32,
@@ -124,7 +124,7 @@ struct Part {
     neighbors: BTreeMap<usize, u32>,
 }
 
-impl Part {
+impl Merged {
     /// What the queue sorts by: size, then id.
     fn key(&self) -> (u32, u32, usize) {
         (self.n_cells, self.first, self.index)
@@ -133,17 +133,17 @@ impl Part {
 
 /// All regions while they merge.
 struct Partition {
-    parts: Vec<Part>,
+    parts: Vec<Merged>,
     merged: DisjointSets,
 }
 
 impl Partition {
     fn new(graph: &CellGraph, regions: &RegionMap) -> Self {
-        let mut parts: Vec<Part> = regions
+        let mut parts: Vec<Merged> = regions
             .regions
             .iter()
             .enumerate()
-            .map(|(index, &Region { label, n_cells })| Part {
+            .map(|(index, &Region { label, n_cells })| Merged {
                 label,
                 n_cells,
                 index,
@@ -165,7 +165,7 @@ impl Partition {
             .neighbors
             .iter()
             .max_by_key(|&(&neighbor, &n_sides)| {
-                let Part { n_cells, first, .. } = self.parts[neighbor];
+                let Merged { n_cells, first, .. } = self.parts[neighbor];
                 (n_sides, n_cells, Reverse(first))
             })
             .map(|(&neighbor, _)| self.parts[neighbor].label)

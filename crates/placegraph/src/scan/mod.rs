@@ -15,9 +15,11 @@ mod path;
 mod scan;
 mod walk;
 
+#[doc(hidden)]
 pub use blocks::{Block, Run};
 pub use cast::cast;
 pub(crate) use caster::Ranges;
+#[doc(hidden)]
 pub use caster::{BlockRanges, RayCaster};
 pub use config::{N_BEAMS, ScanConfig, UnknownCells, beam_angle_rad};
 pub use instructions::Instructions;

@@ -8,7 +8,7 @@
 //! the largest s r² Σ_i ln p_i(y_i) − L(y), where L is the length of the borders between labels in meters as the edges
 //! of the 8-neighborhood count it, r the resolution, and s the evidence per area ([`SpaceConfig`]).
 //!
-//! Cost: some minimum cuts per label over the nodes ([`crate::amn::infer::expand`]): exact for two labels. Spaces that do not
+//! Cost: some minimum cuts per label over the nodes ([`crate::cuts::expand`]): exact for two labels. Spaces that do not
 //! touch are cut each on its own: memory is 2 bytes a node, and 46 per cell of the rectangles around those that are at work, which
 //! are together no larger than the map. With two labels a space of more than a million cells is first cut in tiles, twice each;
 //! what no tile is certain of is then cut in pieces. The result is the same.
@@ -188,7 +188,7 @@ impl Evidence<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::amn::infer::{Potentials, expand};
+    use crate::cuts::{Potentials, expand};
     use crate::geom::Pose2;
     use crate::grid::{Cell, Connectivity, Grid, MapFrame, Occupancy};
 

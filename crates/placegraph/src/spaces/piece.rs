@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::amn::infer::SmallExpansion;
+use crate::cuts::SmallExpansion;
 use crate::grid::{Cell, CellGraph, Run};
 use crate::labels::{Label, Labeling};
 

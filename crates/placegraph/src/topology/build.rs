@@ -44,9 +44,8 @@ pub fn build(
         let id = place_id(RegionId(index as u32));
         let anchor = graph.cell(anchors[index]);
         let doorway = (class.role == Role::Doorway).then(|| {
-            let anchor = Point2::new(anchor.x as f64 + 0.5, anchor.y as f64 + 0.5);
             let is_own = |node: usize| regions.region_of[node].index() == index;
-            doorway(space, is_own, &neighbors[index], centroids[index], anchor)
+            doorway(space, is_own, &neighbors[index], centroids[index], anchor.center())
         });
         Place {
             id,

@@ -19,9 +19,7 @@ pub(super) fn anchors(graph: &CellGraph, regions: &RegionMap, centroids: &[Point
             if squared < best[region].0 {
                 continue;
             }
-            let cell = graph.cell(node);
-            let center = Point2::new(cell.x as f64 + 0.5, cell.y as f64 + 0.5);
-            let from_centroid = center.distance(centroids[region]);
+            let from_centroid = graph.cell(node).center().distance(centroids[region]);
             if squared > best[region].0 || from_centroid < best[region].1 {
                 best[region] = (squared, from_centroid, node);
             }

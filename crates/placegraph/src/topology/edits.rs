@@ -27,6 +27,7 @@ use crate::geom::Point2;
 use crate::grid::{Cell, CellGraph, Connectivity, FreeSpace, MapFrame};
 use crate::labels::{Label, LabelSet, Role};
 use crate::regions::{DiagonalSteps, Region, RegionId, RegionMap};
+use crate::syntax::SyntaxError;
 
 /// An edit file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -45,8 +46,7 @@ pub enum EditFileError {
     #[error("expected an edit file: {source}")]
     Toml {
         /// What the TOML reader found, and where.
-        #[from]
-        source: toml::de::Error,
+        source: SyntaxError,
     },
     /// A coordinate is no number.
     #[error("expected finite numbers in edit {edit}, found {found}")]
@@ -63,8 +63,10 @@ impl EditFile {
     ///
     /// # Errors
     /// If it is no TOML, has an unknown action or key, or a number that is not finite.
+    #[cfg(feature = "import")]
     pub fn from_toml(text: &str) -> Result<Self, EditFileError> {
-        let file: Self = toml::from_str(text)?;
+        let file: Self =
+            toml::from_str(text).map_err(|error| EditFileError::Toml { source: SyntaxError::of(&error) })?;
         for (edit, number) in file.edits.iter().zip(1..) {
             if let Some(&found) = edit.points().as_flattened().iter().find(|v| !v.is_finite()) {
                 return Err(EditFileError::Number { edit: number, found });
@@ -253,10 +255,7 @@ impl Editor<'_> {
         self.for_each_node_on(a, b, |editor, node| {
             touched.insert(editor.region_of[node]);
         });
-        let crosses = |from: Cell, to: Cell| {
-            let center = |cell: Cell| Point2::new(cell.x as f64 + 0.5, cell.y as f64 + 0.5);
-            segments_cross(a, b, center(from), center(to))
-        };
+        let crosses = |from: Cell, to: Cell| segments_cross(a, b, from.center(), to.center());
         let n_before = self.label_of.len();
         for region in touched {
             self.separate(region, crosses);

@@ -21,6 +21,13 @@ pub struct PolygonWithHoles {
     pub holes: Vec<Vec<Point2>>,
 }
 
+impl PolygonWithHoles {
+    /// Its rings, the outer one first.
+    pub fn rings(&self) -> impl Iterator<Item = &Vec<Point2>> {
+        std::iter::once(&self.exterior).chain(&self.holes)
+    }
+}
+
 /// What only a doorway has.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -68,6 +75,11 @@ pub struct Place {
 }
 
 impl Place {
+    /// The rings of all parts of its outline.
+    pub fn rings(&self) -> impl Iterator<Item = &Vec<Point2>> {
+        self.outline.iter().flat_map(PolygonWithHoles::rings)
+    }
+
     /// The outer ring of the largest part, for formats that have room for one.
     pub fn largest_exterior(&self) -> &[Point2] {
         let rings = self.outline.iter().map(|part| part.exterior.as_slice());

@@ -17,7 +17,10 @@ pub use crate::geom::EllipseAxes;
 pub use build::build;
 pub(crate) use build::place_id;
 pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
+#[doc(hidden)]
 pub use outline::outlines;
 pub use raster::{PlaceRaster, PlaceSpan};
-pub use routes::{COMFORT_M, lay_routes};
+pub use routes::COMFORT_M;
+#[doc(hidden)]
+pub use routes::lay_routes;
 pub(crate) use segment::{all_touched, segments_cross};

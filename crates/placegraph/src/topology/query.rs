@@ -44,8 +44,7 @@ impl PlaceIndex {
     /// The index of `map`, whose outlines run along the cells of `shape`.
     pub fn new(map: &TopologicalMap, shape: GridShape) -> Self {
         let rings = map.places.iter().flat_map(|place| {
-            let rings =
-                place.outline.iter().flat_map(|part| std::iter::once(&part.exterior).chain(&part.holes));
+            let rings = place.rings();
             rings.map(|ring| (place.id, ring))
         });
         let borders = rings.flat_map(|(id, ring)| {

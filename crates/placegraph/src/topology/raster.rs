@@ -98,9 +98,7 @@ impl PlaceRaster {
 fn crossings(map: &TopologicalMap, shape: &GridShape) -> Vec<Crossing> {
     let mut crossings = Vec::new();
     for place in &map.places {
-        for ring in
-            place.outline.iter().flat_map(|polygon| std::iter::once(&polygon.exterior).chain(&polygon.holes))
-        {
+        for ring in place.rings() {
             let corners: Vec<Point2> =
                 ring.iter().map(|&corner| shape.frame.cells_from_map(corner)).collect();
             for (index, &from) in corners.iter().enumerate() {

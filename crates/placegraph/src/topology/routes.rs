@@ -259,10 +259,7 @@ impl<'a> Walks<'a> {
     /// The corners that remain when `path` is replaced by straight lines as long as these touch only cells of
     /// the two regions, none nearer to a wall than the cells they replace. In cells.
     fn pulled_straight(&self, path: &[usize], pair: [RegionId; 2]) -> Vec<Point2> {
-        let center = |position: usize| {
-            let cell = self.graph.cell(path[position]);
-            Point2::new(cell.x as f64 + 0.5, cell.y as f64 + 0.5)
-        };
+        let center = |position: usize| self.graph.cell(path[position]).center();
         let mut line = vec![center(0)];
         let mut corner = 0;
         while corner + 1 < path.len() {

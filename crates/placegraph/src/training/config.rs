@@ -135,7 +135,7 @@ impl TrainConfig {
     }
 
     /// The settings for the model's record; features by number only, because the model names those it uses.
-    pub(super) fn record(&self) -> serde_json::Value {
+    pub(super) fn settings(&self) -> serde_json::Value {
         serde_json::json!({
             "n_features": self.features.len(),
             "scales": self.scales,

@@ -12,14 +12,15 @@ use super::train::{SAME_RESOLUTION, record, train_list};
 use super::validate::{CrossValidated, validate};
 use super::{Dataset, LabeledMap, TrainConfig, TrainError, Validation};
 use crate::amn::learn::{LearnConfig, Loss};
-use crate::amn::{self, IamnConfig, IamnReport, LabeledCells, TrainingMap, Validated};
+use crate::amn::{self, IamnConfig, IamnReport, LabeledCells, Validated};
 use crate::boost::{CompiledClassifiers, DecisionList, table_scores};
 use crate::features;
 use crate::features::select::SelectConfig;
-use crate::grid::{CellGraph, Grid, Occupancy};
+use crate::grid::{CellGraph, FreeSpace, Grid, Occupancy};
 use crate::labels::LabelSet;
 use crate::model::{
-    ChoiceRecord, Method, Model, NetworkModel, NetworkRecord, TrainingRecord, log_confidences,
+    ChoiceRecord, Method, Model, NetworkModel, NetworkRecord, TrainingRecord, TrainingSettings,
+    log_confidences,
 };
 use crate::progress::Progress;
 
@@ -135,12 +136,11 @@ pub fn train_network(
         NodeScores::List => Some(list_scores(&data, label_set, &config.base, progress)?),
         NodeScores::None => None,
     };
-    let graphs: Vec<CellGraph> = maps.iter().map(labeled_graph).collect();
-    let training_maps: Vec<TrainingMap<'_>> =
-        graphs.iter().map(|graph| TrainingMap { graph, resolution_m }).collect();
+    let spaces: Vec<FreeSpace> =
+        maps.iter().map(|map| FreeSpace { frame: map.grid.frame, graph: labeled_graph(map) }).collect();
     let labels = data.labels();
     let cells = LabeledCells {
-        maps: &training_maps,
+        maps: &spaces,
         table: &data.table,
         labels: &labels,
         n_labels: label_set.len(),
@@ -226,11 +226,11 @@ fn training_record(
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
         maps: maps.iter().map(|map| map.record(label_set)).collect(),
         resolution_m,
-        training_error: 1.0 - accuracy(&report.network.training_confusion, label_set.len()),
+        training_error: 1.0 - report.network.training_confusion.accuracy().unwrap_or(0.0),
         validation: validation.map(|validation| record(validation, label_set)),
-        network: Some(network_record(&report.network, label_set.len())),
-        settings: serde_json::json!({
-            "list": report.list.is_some().then(|| config.base.record()),
+        network: Some(network_record(&report.network)),
+        settings: TrainingSettings(serde_json::json!({
+            "list": report.list.is_some().then(|| config.base.settings()),
             "n_features": select.n_features,
             "correlation_weight": select.correlation_weight,
             "exclusion_m": exclusion_m,
@@ -242,23 +242,17 @@ fn training_record(
                 Loss::Root => "root",
             },
             "tolerance": learn.tolerance,
-        }),
+        })),
     }
 }
 
-fn network_record(report: &IamnReport, n_labels: usize) -> NetworkRecord {
+fn network_record(report: &IamnReport) -> NetworkRecord {
     let choice = |tried: &Validated| ChoiceRecord {
         n_neighbors: tried.n_neighbors,
         cost: tried.cost,
-        accuracy: accuracy(&tried.confusion, n_labels),
+        accuracy: tried.confusion.accuracy().unwrap_or(0.0),
         macro_f1: tried.macro_f1,
     };
     let Validated { n_neighbors, cost, .. } = report.validation[report.best];
     NetworkRecord { n_neighbors, cost, choices: report.validation.iter().map(choice).collect() }
-}
-
-/// Share of the diagonal of a confusion of `n_labels` labels.
-fn accuracy(confusion: &[u64], n_labels: usize) -> f64 {
-    let right: u64 = confusion.iter().step_by(n_labels + 1).sum();
-    right as f64 / confusion.iter().sum::<u64>().max(1) as f64
 }

@@ -14,7 +14,9 @@ use crate::boost::{
 };
 use crate::features::FeatureId;
 use crate::labels::{Label, LabelSet};
-use crate::model::{BoostedModel, Method, Model, OrderRecord, TrainingRecord, ValidationRecord};
+use crate::model::{
+    BoostedModel, Method, Model, OrderRecord, TrainingRecord, TrainingSettings, ValidationRecord,
+};
 use crate::progress::{Progress, Stage};
 use crate::relax::{Compatibility, PairCounts, with_walls};
 
@@ -76,7 +78,7 @@ pub fn train(
         training_error,
         validation: validation.as_ref().map(|validation| record(validation, label_set)),
         network: None,
-        settings: config.record(),
+        settings: TrainingSettings(config.settings()),
     };
     let n_examples = |label: Label| data.examples.iter().filter(|example| example.label == label).count();
     let report = TrainingReport {

@@ -49,7 +49,7 @@ fn model(n_stumps: usize) -> Model {
         thresholds: Thresholds::default(),
         record: TrainingRecord {
             resolution_m: 0.05,
-            settings: json!({ "n": 3 }),
+            settings: serde_json::from_value(json!({ "n": 3 })).unwrap(),
             ..TrainingRecord::default()
         },
     }

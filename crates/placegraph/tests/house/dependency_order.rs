@@ -3,27 +3,20 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The order, modules that do not see each other on one line.
-const LAYERS: &[&[&str]] = &[
-    &["progress"],
-    &["geom"],
-    &["grid"],
-    &["scan"],
-    &["labels"],
-    &["features"],
-    &["boost", "relax", "amn"],
-    &["doorways", "spaces"],
-    &["regions"],
-    &["topology"],
-    &["model"],
-    &["training", "eval", "import", "export", "pipeline"],
-];
+/// The order as the page writes it, `a → {b, c} → d`: modules that do not see each other in braces.
+fn layers() -> Vec<Vec<String>> {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/../../ARCHITECTURE.md");
+    let page = fs::read_to_string(page).unwrap();
+    let line = page.lines().find(|line| line.contains(" → ") && line.starts_with('`')).unwrap();
+    let names = |layer: &str| layer.trim_matches(['{', '}']).split(", ").map(str::to_owned).collect();
+    line.trim_matches('`').split(" → ").map(names).collect()
+}
 
-fn layer(module: &str) -> usize {
-    LAYERS
+fn layer(layers: &[Vec<String>], module: &str) -> usize {
+    layers
         .iter()
-        .position(|names| names.contains(&module))
-        .unwrap_or_else(|| panic!("module {module} has no place in the order"))
+        .position(|names| names.iter().any(|name| name == module))
+        .unwrap_or_else(|| panic!("module {module} has no place in the order of ARCHITECTURE.md"))
 }
 
 fn rust_files(folder: &Path) -> Vec<PathBuf> {
@@ -57,6 +50,13 @@ fn used_modules(code: &str) -> Vec<String> {
 #[test]
 fn modules_use_only_what_stands_to_their_left() {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let layers = layers();
+    for name in layers.iter().flatten() {
+        assert!(
+            source.join(name).is_dir() || source.join(format!("{name}.rs")).is_file(),
+            "ARCHITECTURE.md names the module {name}, which does not exist"
+        );
+    }
     let mut arrows = 0;
     for file in rust_files(&source) {
         let relative = file.strip_prefix(&source).unwrap();
@@ -69,7 +69,7 @@ fn modules_use_only_what_stands_to_their_left() {
         for used in used_modules(&code) {
             arrows += 1;
             assert!(
-                used == module || layer(&used) < layer(module),
+                used == module || layer(&layers, &used) < layer(&layers, module),
                 "{} uses crate::{used}, which does not stand to the left of {module}",
                 relative.display()
             );

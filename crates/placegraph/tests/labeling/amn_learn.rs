@@ -2,15 +2,15 @@
 
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus};
-use placegraph::amn::infer;
-use placegraph::amn::learn::{Ended, Example, LearnConfig, Learner, Loss};
+use placegraph::amn::learn::{Ended, LabeledGraph, LearnConfig, Learner, Loss};
 use placegraph::amn::model::{Weights, sufficient_statistics};
+use placegraph::cuts::expand;
 use placegraph::grid::{CellGraph, Connectivity};
 use placegraph::labels::{Label, Labeling};
 use placegraph_testkit::networks::{labelings, open_floor, uniform};
 
 /// min ½‖w‖² + C ξ, g · w + ξ ≥ b for every labeling, ξ ≥ 0, w_e ≥ 0.
-fn objective_by_quadratic_program(example: &Example<'_>, n_labels: usize, cost: f64, loss: Loss) -> f64 {
+fn objective_by_quadratic_program(example: &LabeledGraph<'_>, n_labels: usize, cost: f64, loss: Loss) -> f64 {
     let n = example.labels.len() as f64;
     let flat_statistics = |y: &[Label]| {
         let Weights { node, edge } =
@@ -68,7 +68,7 @@ fn objective_equals_that_of_a_quadratic_program() {
         let n_labels = 2 + seed as usize % 2;
         let (width, height) = if n_labels == 2 { (4, 2) } else { (3, 2) };
         let (graph, features, labels) = striped_map(width, height, n_labels, seed);
-        let example = Example { graph: &graph, features: &features, labels: &labels };
+        let example = LabeledGraph { graph: &graph, features: &features, labels: &labels };
         for loss in [Loss::Hamming, Loss::Balanced, Loss::Root] {
             let config = LearnConfig { loss, tolerance: 1e-7, ..LearnConfig::default() };
             let mut learner = Learner::new(&[example], n_labels, &config);
@@ -89,7 +89,7 @@ fn objective_equals_that_of_a_quadratic_program() {
 #[test]
 fn too_few_planes_are_told() {
     let (graph, features, labels) = striped_map(12, 8, 3, 1);
-    let example = Example { graph: &graph, features: &features, labels: &labels };
+    let example = LabeledGraph { graph: &graph, features: &features, labels: &labels };
     let config = LearnConfig { max_planes: 3, ..LearnConfig::default() };
     let learned = Learner::new(&[example], 3, &config).fit(100.0);
     assert_eq!((learned.ended, learned.n_planes), (Ended::PlaneLimit, 3));
@@ -99,11 +99,11 @@ fn too_few_planes_are_told() {
 #[test]
 fn neighbors_correct_noise() {
     let (graph, features, labels) = striped_map(30, 20, 3, 3);
-    let example = Example { graph: &graph, features: &features, labels: &labels };
+    let example = LabeledGraph { graph: &graph, features: &features, labels: &labels };
     let learned = Learner::new(&[example], 3, &LearnConfig::default()).fit(100.0);
     let potentials = learned.weights.potentials(&features, Connectivity::Eight);
     let wrong = |found: &[Label]| found.iter().zip(&labels).filter(|(a, b)| a != b).count();
     let alone = wrong(&potentials.best_alone());
-    let together = wrong(&infer::expand(&graph, &potentials, &potentials.best_alone()));
+    let together = wrong(&expand(&graph, &potentials, &potentials.best_alone()));
     assert!(alone > 50 && together < 6, "{alone} cells wrong alone, {together} together");
 }

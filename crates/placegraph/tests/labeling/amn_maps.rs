@@ -4,9 +4,10 @@
 //! Reads the folder named by `PLACEGRAPH_DATA`; without it the tests are skipped. No setting was chosen by these
 //! results; lists are shorter and exemplars fewer than by default, to keep the test short.
 
-use placegraph::amn::{self, IamnConfig, LabeledCells, TrainingMap};
+use placegraph::amn::{self, IamnConfig, LabeledCells};
 use placegraph::features::extract;
-use placegraph::grid::{Cell, CellGraph, FreeSpace, Grid, Occupancy};
+use placegraph::geom::Pose2;
+use placegraph::grid::{Cell, CellGraph, FreeSpace, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::pipeline::{classify, smooth};
 use placegraph::progress::Silent;
@@ -48,7 +49,7 @@ fn the_chapters_network_on_building_79_at_20_cm() {
     let scan = ScanConfig::default();
     let table = extract(&map.grid, &train, &base.features, &scan, &Silent);
     let graph = coarse_graph(&train);
-    let maps = [TrainingMap { graph: &graph, resolution_m: 0.2 }];
+    let maps = [FreeSpace { frame: MapFrame::new(0.2, Pose2::default()).unwrap(), graph }];
     let cells = LabeledCells { maps: &maps, table: &table, labels: &labels, n_labels: 3, scores: &[] };
     let (model, report) = amn::train(&cells, &network, &Silent);
     assert_eq!(report.selection.chosen.len(), 30);

@@ -1,8 +1,9 @@
 //! Instance-based networks on made-up features: what is learned on one map holds on another.
 
-use placegraph::amn::{self, IamnConfig, IamnModel, LabeledCells, TrainingMap, side_by_side};
+use placegraph::amn::{self, IamnConfig, IamnModel, LabeledCells, side_by_side};
 use placegraph::features::{self, FeatureTable};
-use placegraph::grid::CellGraph;
+use placegraph::geom::Pose2;
+use placegraph::grid::{CellGraph, FreeSpace, MapFrame};
 use placegraph::labels::{Label, Labeling};
 use placegraph::progress::Silent;
 use placegraph_testkit::networks::{hash, open_floor, uniform};
@@ -36,7 +37,10 @@ fn map(seed: u64) -> Map {
 }
 
 fn train(map: &Map, scores: &[f32]) -> IamnModel {
-    let maps = [TrainingMap { graph: &map.graph, resolution_m: RESOLUTION_M }];
+    let maps = [FreeSpace {
+        frame: MapFrame::new(RESOLUTION_M, Pose2::default()).unwrap(),
+        graph: map.graph.clone(),
+    }];
     let cells = LabeledCells { maps: &maps, table: &map.table, labels: &map.labels, n_labels: 3, scores };
     amn::train(&cells, &IamnConfig { costs: vec![10.0], ..IamnConfig::default() }, &Silent).0
 }

@@ -2,9 +2,9 @@
 
 use petgraph::algo::ford_fulkerson;
 use petgraph::graph::{DiGraph, NodeIndex};
-use placegraph::amn::infer::{self, Potentials};
-use placegraph::amn::maxflow::GridCut;
 use placegraph::amn::nearest::Exemplars;
+use placegraph::cuts::maxflow::GridCut;
+use placegraph::cuts::{Potentials, agreeing_edges, expand, expand_from_all};
 use placegraph::grid::{Cell, CellGraph, Connectivity, Grid};
 use placegraph::labels::Label;
 use placegraph_testkit::networks::{best_by_enumeration, hash, random_problem, smooth_problem, uniform};
@@ -81,7 +81,7 @@ proptest! {
         for connectivity in [Connectivity::Four, Connectivity::Eight] {
             let (graph, potentials) = random_problem((4, 3), 2, reward, connectivity, seed);
             let best = best_by_enumeration(&graph, &potentials);
-            prop_assert_eq!(infer::expand(&graph, &potentials, &potentials.best_alone()), best);
+            prop_assert_eq!(expand(&graph, &potentials, &potentials.best_alone()), best);
         }
     }
 
@@ -117,7 +117,7 @@ proptest! {
 /// What a labeling scores below a bound that no labeling exceeds: an energy that is never negative.
 fn energy(graph: &CellGraph, potentials: &Potentials, labeling: &[Label]) -> f64 {
     let uniform = vec![Label(0); graph.n_nodes()];
-    let edges = infer::agreeing_edges(graph, potentials.connectivity, &uniform, potentials.n_labels())[0];
+    let edges = agreeing_edges(graph, potentials.connectivity, &uniform, potentials.n_labels())[0];
     let largest = |values: &[f64]| values.iter().fold(f64::NEG_INFINITY, |a, &b| a.max(b));
     let nodes: f64 = (0..graph.n_nodes()).map(|i| largest(potentials.row(i))).sum();
     nodes + largest(&potentials.edge) * edges as f64 - potentials.score(graph, labeling)
@@ -133,7 +133,7 @@ fn expansion_is_within_a_thousandth_of_the_optimum() {
         let reward = [0.1, 0.3, 0.6, 1.0][seed as usize / 2 % 4];
         let (graph, potentials) = random_problem(shape, n_labels, reward, connectivity, seed);
         let best = energy(&graph, &potentials, &best_by_enumeration(&graph, &potentials));
-        let found = infer::expand(&graph, &potentials, &potentials.best_alone());
+        let found = expand(&graph, &potentials, &potentials.best_alone());
         let ratio = energy(&graph, &potentials, &found) / best;
         if ratio > 1.0 + 1e-9 {
             println!("seed {seed} {connectivity:?} labels {n_labels} reward {reward}: ratio {ratio}");
@@ -153,11 +153,11 @@ fn energy_is_that_of_pymaxflow_or_lower() {
         (Connectivity::Eight, 40.0, 88_050_904.0),
     ] {
         let (graph, potentials) = smooth_problem(361, 361, 3, reward, connectivity);
-        let from_one = infer::expand(&graph, &potentials, &potentials.best_alone());
+        let from_one = expand(&graph, &potentials, &potentials.best_alone());
         let from_one = potentials.score(&graph, &from_one);
         // From one start expansions end in a local optimum that depends on the order of the moves.
         assert!(from_one >= score_of_peer * (1.0 - 1e-6), "{connectivity:?}, reward {reward}: {from_one}");
-        let from_all = potentials.score(&graph, &infer::expand_from_all(&graph, &potentials));
+        let from_all = potentials.score(&graph, &expand_from_all(&graph, &potentials));
         assert!(from_all >= score_of_peer, "{connectivity:?}, reward {reward}: {from_all} < {score_of_peer}");
     }
 }
@@ -166,5 +166,5 @@ fn energy_is_that_of_pymaxflow_or_lower() {
 fn rewards_of_zero_leave_every_node_to_itself() {
     let (graph, potentials) = random_problem((5, 4), 3, 0.0, Connectivity::Eight, 1);
     let start = vec![Label(0); graph.n_nodes()];
-    assert_eq!(infer::expand(&graph, &potentials, &start), potentials.best_alone());
+    assert_eq!(expand(&graph, &potentials, &start), potentials.best_alone());
 }

@@ -28,7 +28,7 @@ fn introduction(results: &Results, remarks: Option<&str>) -> String {
     let settings = &results.settings;
     let text = format!(
         "# The chapter's experiments\n\n\
-         Sect. 4.8 repeated with placegraph {version}: `placegraph reproduce DATA`. Every figure is the share of labeled \
+         Sect. 4.8 repeated with placegraph {version}: `cargo run --release -p placegraph-reproduce -- DATA`. Every figure is the share of labeled \
          free cells of the test part that got the drawn label; cells drawn as ambiguous do not count. The whole map is \
          labeled, and the cells of the test part are judged. Scans see the whole map.\n\n\
          * **Chapter's setting**: T = {rounds} rounds, temperature 1, one scale, all training cells (with several scales \

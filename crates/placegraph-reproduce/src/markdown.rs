@@ -56,7 +56,7 @@ pub(super) fn confusion(scores: &CellScores) -> String {
     let names = || label_set.classes().iter().map(|class| class.name.clone());
     let found: Vec<String> = names().map(|name| format!("found {name}")).collect();
     let head: Vec<&str> = std::iter::once("drawn").chain(found.iter().map(String::as_str)).collect();
-    let rows = names().zip(&scores.confusion.counts).map(|(name, counts)| {
+    let rows = names().zip(&scores.confusion.matrix.counts).map(|(name, counts)| {
         std::iter::once(name).chain(counts.iter().take(label_set.len()).map(u64::to_string)).collect()
     });
     table(&head, rows)

@@ -4,11 +4,9 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use placegraph::grid::{Cell, Grid};
-use placegraph::import::{LabelCoding, ReadOptions};
+use placegraph::import::{self, LabelCell, LabelCoding, ReadOptions};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::training::{LabeledMap, Window};
-
-use super::super::train::{Entry, labeled_map};
 
 /// Where a building's map is found.
 #[derive(Clone, Copy, Debug)]
@@ -59,12 +57,7 @@ impl Building {
             let path = folder.join(name);
             ensure!(path.is_file(), "expected the file {}, found none: {}", path.display(), source.title);
         }
-        let read = |folder: &Path, labels: &str| {
-            let entry = Entry { map: folder.join("map.yaml"), labels: folder.join(labels), crop: None };
-            labeled_map(&entry, &LabelCoding::of(&LabelSet::default()), &ReadOptions::default())
-        };
-        let mut map = read(&folder, "labels.png")?;
-        source.title.clone_into(&mut map.name);
+        let mut map = labeled_map(&folder, "labels.png", source.title)?;
         ensure!(
             source.split < map.grid.cells.width(),
             "expected more than {} columns in {}, found {}",
@@ -74,8 +67,10 @@ impl Building {
         );
         map.labels = on_free_cells(&map, &map.labels);
         let second = data.join(source.second_drawing);
-        let second_drawing =
-            second.join("labels_hand.png").is_file().then(|| read(&second, "labels_hand.png"));
+        let second_drawing = second
+            .join("labels_hand.png")
+            .is_file()
+            .then(|| labeled_map(&second, "labels_hand.png", source.title));
         let second_drawing = second_drawing.transpose().context("in the second drawing")?;
         let same_size = |other: &LabeledMap| {
             (other.labels.width(), other.labels.height()) == (map.labels.width(), map.labels.height())
@@ -94,6 +89,23 @@ impl Building {
     pub(super) fn truth_from(&self, first: u32) -> Grid<Option<Label>> {
         from_column(first, &self.map.labels)
     }
+}
+
+/// The map in `folder`, with the labels in the image of this name.
+fn labeled_map(folder: &Path, labels: &str, name: &str) -> Result<LabeledMap> {
+    let options = ReadOptions::default();
+    let grid = import::load_map(&folder.join("map.yaml"), &options)?.grid;
+    let path = folder.join(labels);
+    let in_labels = || format!("in the labels {}", path.display());
+    let bytes = import::read_cells(&path, options.max_cells).with_context(in_labels)?;
+    let size = (grid.cells.width(), grid.cells.height());
+    let coding = LabelCoding::of(&LabelSet::default());
+    let labels = import::read_labels(&bytes, size, &coding).with_context(in_labels)?;
+    let labels = labels.map(|cell| match cell {
+        LabelCell::Class(label) => Some(*label),
+        LabelCell::None | LabelCell::Ignore => None,
+    });
+    Ok(LabeledMap { name: name.to_owned(), grid, labels, window: None })
 }
 
 /// `labels` from column `first` on.

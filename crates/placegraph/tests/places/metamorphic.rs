@@ -21,7 +21,7 @@ use placegraph_generate::{Mapping, Options, Style, generate};
 
 /// The model inside the program.
 fn model() -> Model {
-    Model::from_json(include_bytes!("../../../placegraph-cli/assets/default.model.json")).unwrap()
+    Model::builtin()
 }
 
 /// So many buildings, or as many as `PLACEGRAPH_BUILDINGS` says.

@@ -52,7 +52,7 @@ fn draw(data: &Path) -> [Source; 3] {
 
 fn written(data: &Path, sources: &[Source; 3]) -> (Results, BTreeMap<String, Vec<u8>>) {
     let out = TempDir::new().unwrap();
-    let (results, pictures) = reproduce(&load(data, sources).unwrap(), &small(), false).unwrap();
+    let (results, pictures) = reproduce(&load(data, sources).unwrap(), &small()).unwrap();
     write(&results, pictures, out.path()).unwrap();
     let mut found = BTreeMap::new();
     for folder in [out.path().to_owned(), out.path().join(super::PICTURES)] {
@@ -87,7 +87,7 @@ fn experiments_agree_with_each_other_and_repeat_to_the_byte() {
         assert_eq!(experiment.corrections[0].scores, experiment.chapter.relaxed);
         assert_eq!(experiment.corrections[3].scores, experiment.chapter.corrected);
         let errors = &experiment.errors;
-        let counts = &experiment.chapter.corrected.confusion.counts;
+        let counts = &experiment.chapter.corrected.confusion.matrix.counts;
         let n_right: u64 = (0..counts.len()).map(|k| counts[k][k]).sum();
         assert_eq!(errors.n_wrong, counts.iter().flatten().sum::<u64>() - n_right);
         assert_eq!(errors.n_disputed, Some(0), "no drawing but the one");

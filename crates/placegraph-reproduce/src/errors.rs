@@ -1,6 +1,5 @@
 //! Where the wrong cells lie, and of what kind they are.
 
-use placegraph::geom::Point2;
 use placegraph::grid::{Grid, MapFrame};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::pipeline::Analysis;
@@ -52,7 +51,7 @@ fn patches(frame: &MapFrame, analysis: &Analysis, truth: &Grid<Option<Label>>) -
     let regions = connected(graph, &kinds, DiagonalSteps::default());
     let mut sums = vec![[0.0; 2]; regions.regions.len()];
     for (cell, id) in graph.cells().iter().zip(&regions.region_of) {
-        let center = frame.map_from_cells(Point2::new(cell.x as f64 + 0.5, cell.y as f64 + 0.5));
+        let center = frame.center(*cell);
         sums[id.index()][0] += center.x;
         sums[id.index()][1] += center.y;
     }

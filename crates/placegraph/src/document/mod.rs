@@ -1,14 +1,17 @@
 //! `topology.json`: the topological map as a document, out and in (`docs/topology-json.md`).
 
+mod check;
+mod layout;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{json_check, json_layout};
 use crate::geom::{EllipseAxes, Point2, Pose2};
 use crate::grid::{FrameError, GridShape, MapFrame, OccupancyGrid};
 use crate::labels::LabelSet;
 use crate::model::sha256_hex;
+use crate::syntax::SyntaxError;
 use crate::topology::{Connection, Doorway, Place, PolygonWithHoles, Route, TopologicalMap};
 
 /// What the member `format` of every document says.
@@ -154,8 +157,7 @@ pub enum TopologyError {
     #[error("expected the JSON of a {FORMAT} document")]
     Json {
         /// What the parser says, with line and column.
-        #[from]
-        source: serde_json::Error,
+        source: SyntaxError,
     },
     /// Another kind of document.
     #[error("expected format {FORMAT:?}, found {found:?}")]
@@ -321,7 +323,7 @@ impl TopologyDocument {
     /// # Errors
     /// If a number is out of the range of JSON; no document made by [`TopologyDocument::new`] has one.
     pub fn to_json(&self) -> Result<String, TopologyError> {
-        Ok(json_layout::to_json(self)?)
+        layout::to_json(self).map_err(|error| syntax(&error))
     }
 
     /// Names the hash of the document in it: results that say the same have the same, whenever they were made.
@@ -353,17 +355,21 @@ impl TopologyDocument {
         if bytes.len() as u64 > MAX_DOCUMENT_BYTES {
             return Err(TopologyError::TooLarge { found: bytes.len() });
         }
-        let header: Header = serde_json::from_slice(bytes)?;
+        let header: Header = serde_json::from_slice(bytes).map_err(|error| syntax(&error))?;
         if header.format != FORMAT {
             return Err(TopologyError::Format { found: header.format });
         }
         if header.version != VERSION as u64 {
             return Err(TopologyError::Version { found: header.version });
         }
-        let document: Self = serde_json::from_slice(bytes)?;
-        json_check::check(&document)?;
+        let document: Self = serde_json::from_slice(bytes).map_err(|error| syntax(&error))?;
+        check::check(&document)?;
         Ok(document)
     }
+}
+
+fn syntax(error: &serde_json::Error) -> TopologyError {
+    TopologyError::Json { source: SyntaxError::of(error) }
 }
 
 /// `value` with four decimals, never −0.

@@ -1,6 +1,6 @@
 //! Minimum cut of a grid graph with two terminals, by growing two search trees (Boykov and Kolmogorov).
 //!
-//! Used by [`super::infer`], Sect. 4.6. Neighbors are implicit: a cell's neighbor in direction d stands at a fixed
+//! Used by [`super::expand`], Sect. 4.6. Neighbors are implicit: a cell's neighbor in direction d stands at a fixed
 //! offset, and one record per cell holds all that the search reads, so that a step touches one or two cache
 //! lines. Capacities are integers: the flow is exact and the cut does not depend on rounding. Cost: in
 //! practice near linear in the cells; 4 D + 16 bytes per cell of the rectangle, D = 4 or 8 neighbors, or half as much for the

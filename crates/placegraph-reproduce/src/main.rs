@@ -1,4 +1,4 @@
-//! `placegraph reproduce`: the experiments of Sect. 4.8 on the maps that the chapter names, beside its figures.
+//! The experiments of Sect. 4.8 on the maps that the chapter names, beside its figures.
 //!
 //! The chapter's setting is 100 rounds, temperature 1, 50 iterations and the corrections; the order of the decision list
 //! is chosen on held-out training cells. The best setting chooses rounds and temperature likewise, and marks narrow
@@ -21,11 +21,15 @@ mod stages;
 mod tests;
 mod trial;
 
-use std::path::Path;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
+use clap::Parser;
 use placegraph::export::overview_png;
 use placegraph::labels::LabelSet;
+use placegraph::progress::Silent;
 
 use self::buildings::{Building, CHAPTER, Source};
 use self::experiment::Run;
@@ -34,28 +38,40 @@ use self::plots::{Line, curves_svg};
 use self::results::{Curve, Drawings, Point, Published, Results, compare, painted};
 use self::settings::Settings;
 use self::trial::{Made, Trial};
-use super::Outcome;
-use crate::args::ReproduceArgs;
-use crate::output::{OutputSet, complain};
-use crate::progress::Watch;
 
 /// Folder of the pictures, beside the page.
 const PICTURES: &str = "results";
 /// What people write about a run. The page points to it where it is there; it is never written.
 const REMARKS: &str = "results-remarks.md";
 
+/// Runs the chapter's experiments on its maps and sets the figures side by side.
+#[derive(Debug, Parser)]
+#[command(version, about)]
+struct Arguments {
+    /// Folder with the maps: `fr79_slam`, `fr52_slam` and `sdr_b_slam`, each with `map.yaml`, its image and `labels.png`
+    data: PathBuf,
+    /// Folder for `results.md`, `results.json` and the pictures in `results/`; the page links to your own
+    /// `results-remarks.md`, if that is there
+    #[arg(short, long, value_name = "DIR", default_value = "reproduction")]
+    out: PathBuf,
+}
+
+/// Files by name.
+type Files = Vec<(String, Vec<u8>)>;
+
 /// Makes all experiments and writes page, numbers and pictures.
-pub(crate) fn run(args: &ReproduceArgs, verbose: bool) -> Result<Outcome> {
+fn main() -> Result<()> {
+    let args = Arguments::parse();
     ensure!(
         args.data.is_dir(),
         "expected a folder with the chapter's maps, found no folder {}",
         args.data.display()
     );
     let buildings = load(&args.data, &CHAPTER)?;
-    let (results, pictures) = reproduce(&buildings, &Settings::default(), verbose)?;
+    let (results, pictures) = reproduce(&buildings, &Settings::default())?;
     write(&results, pictures, &args.out)?;
-    complain(&format!("the experiments are in {}", args.out.join("results.md").display()));
-    Ok(Outcome::Done)
+    say(&format!("the experiments are in {}", args.out.join("results.md").display()));
+    Ok(())
 }
 
 fn load(data: &Path, [b79, b52, sdr]: &[Source; 3]) -> Result<[Building; 3]> {
@@ -63,25 +79,38 @@ fn load(data: &Path, [b79, b52, sdr]: &[Source; 3]) -> Result<[Building; 3]> {
 }
 
 /// Writes the pictures, then the page that shows them.
-fn write(results: &Results, pictures: OutputSet, folder: &Path) -> Result<()> {
-    pictures.commit(&folder.join(PICTURES))?;
-    let mut pages = OutputSet::default();
+fn write(results: &Results, pictures: Files, folder: &Path) -> Result<()> {
     let remarks = folder.join(REMARKS).is_file().then_some(REMARKS);
-    pages.add("results.md", page::page(results, remarks));
-    pages.add("results.json", format!("{}\n", serde_json::to_string_pretty(results)?));
-    pages.commit(folder)?;
+    let page = page::page(results, remarks).into_bytes();
+    let numbers = format!("{}\n", serde_json::to_string_pretty(results)?).into_bytes();
+    write_files(&folder.join(PICTURES), pictures)?;
+    write_files(folder, vec![("results.md".to_owned(), page), ("results.json".to_owned(), numbers)])
+}
+
+fn write_files(folder: &Path, files: Files) -> Result<()> {
+    let could_not = |path: &Path| format!("could not write {}", path.display());
+    fs::create_dir_all(folder).with_context(|| could_not(folder))?;
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        fs::write(&path, bytes).with_context(|| could_not(&path))?;
+    }
     Ok(())
 }
 
+#[expect(clippy::print_stderr, reason = "a program that takes minutes says where it is")]
+fn say(message: &str) {
+    eprintln!("{message}");
+}
+
 /// All experiments, and the pictures of their maps and curves.
-fn reproduce(buildings: &[Building; 3], settings: &Settings, verbose: bool) -> Result<(Results, OutputSet)> {
-    let mut pictures = OutputSet::default();
+fn reproduce(buildings: &[Building; 3], settings: &Settings) -> Result<(Results, Files)> {
+    let mut pictures = Files::new();
     let [b79, ..] = buildings;
     let mut made = Vec::new();
     let trials = trial::trials(buildings, settings);
-    let mut steps = Steps { n_in_all: trials.len() + 3, n_begun: 0, verbose };
+    let mut steps = Steps { n_in_all: trials.len() + 3, n_begun: 0 };
     for trial in &trials {
-        let one = steps.step(trial.title, |watch| trial.make(watch))?;
+        let one = steps.step(trial.title, || trial.make(&Silent))?;
         add_pictures(&mut pictures, trial, &one)?;
         let points =
             stages::iterations(&one.chapter, &trial.test.map.grid, &one.truth, &settings.iterations_curve)?;
@@ -89,13 +118,13 @@ fn reproduce(buildings: &[Building; 3], settings: &Settings, verbose: bool) -> R
     }
     let Made { chapter, best, .. } = &made[0].0;
     let trained = [&chapter.trained, &best.trained];
-    let orders = steps.step("Table 4.1", |watch| orders::orders(b79, trained, settings, watch))?;
+    let orders = steps.step("Table 4.1", || orders::orders(b79, trained, settings, &Silent))?;
     let features = orders::most_informative(&chapter.trained);
-    let networks = steps.step("networks", |watch| networks(b79, settings, watch))?;
+    let networks = steps.step("networks", || networks(b79, settings))?;
     for (number, run) in networks.iter().enumerate() {
         add_network_pictures(&mut pictures, number, run)?;
     }
-    let pairs = steps.step("pairs of buildings", |watch| trial::pairs(buildings, settings, watch))?;
+    let pairs = steps.step("pairs of buildings", || trial::pairs(buildings, settings, &Silent))?;
     let (made, iterations): (Vec<Made>, Vec<Curve>) = made.into_iter().unzip();
     let results = Results {
         version: env!("CARGO_PKG_VERSION"),
@@ -109,41 +138,37 @@ fn reproduce(buildings: &[Building; 3], settings: &Settings, verbose: bool) -> R
         pairs,
         drawings: drawings(buildings),
     };
-    pictures.add("rounds.svg", rounds_svg(&results)?);
-    pictures.add("iterations.svg", iterations_svg(&results)?);
+    pictures.push(("rounds.svg".to_owned(), rounds_svg(&results)?.into_bytes()));
+    pictures.push(("iterations.svg".to_owned(), iterations_svg(&results)?.into_bytes()));
     Ok((results, pictures))
 }
 
-/// The experiments in turn, each under a progress bar that tells how many there are.
+/// The experiments in turn: each is named with the time that it took.
 struct Steps {
     n_in_all: usize,
     n_begun: usize,
-    verbose: bool,
 }
 
 impl Steps {
-    fn step<T>(&mut self, what: &str, work: impl FnOnce(&Watch) -> Result<T>) -> Result<T> {
+    fn step<T>(&mut self, what: &str, work: impl FnOnce() -> Result<T>) -> Result<T> {
         self.n_begun += 1;
-        let watch = Watch::start(&format!("{}/{} {what}", self.n_begun, self.n_in_all));
-        let done = work(&watch);
-        let stages = watch.finish();
-        if self.verbose {
-            let seconds: f64 = stages.iter().map(|(_, time)| time.as_secs_f64()).sum();
-            complain(&format!("{what}: {seconds:.1} s"));
-        }
+        let begun = Instant::now();
+        let done = work();
+        let seconds = begun.elapsed().as_secs_f64();
+        say(&format!("{}/{} {what}: {seconds:.1} s", self.n_begun, self.n_in_all));
         done
     }
 }
 
 /// The networks of Sect. 4.8.3: the chapter's on its cells, then the best setting on every cell.
-fn networks(building: &Building, settings: &Settings, watch: &Watch) -> Result<Vec<NetworkRun>> {
+fn networks(building: &Building, settings: &Settings) -> Result<Vec<NetworkRun>> {
     let chapter = Settings::chapter_network();
     let printed = Settings::printed_network();
     let stride = settings.network_stride;
     Ok(vec![
-        network::network(building, "distances alone", stride, &chapter, watch),
-        network::network(building, "distances alone, features weighed as printed", stride, &printed, watch),
-        network::on_a_list(building, "distances and a decision list", &settings.best_network(), watch)?,
+        network::network(building, "distances alone", stride, &chapter, &Silent),
+        network::network(building, "distances alone, features weighed as printed", stride, &printed, &Silent),
+        network::on_a_list(building, "distances and a decision list", &settings.best_network(), &Silent)?,
     ])
 }
 
@@ -162,9 +187,9 @@ fn drawings(buildings: &[Building; 3]) -> Vec<Drawings> {
 }
 
 /// What figures 4.7 to 4.10 show: drawn labels, list, relaxed, corrected, the topological map; and the errors.
-fn add_pictures(pictures: &mut OutputSet, trial: &Trial<'_>, made: &Made) -> Result<()> {
+fn add_pictures(pictures: &mut Files, trial: &Trial<'_>, made: &Made) -> Result<()> {
     let (map, first) = (&trial.test.map.grid, trial.first);
-    let mut add = |name: &str, png: Vec<u8>| pictures.add(format!("{}-{name}.png", made.result.id), png);
+    let mut add = |name: &str, png: Vec<u8>| pictures.push((format!("{}-{name}.png", made.result.id), png));
     let labels = |run: &Run, labeling: &[_]| painted(&map.cells, run.analysis.space.graph.cells(), labeling);
     let png = |run: &Run, labeling: &[_]| pictures::labels_png(map, &labels(run, labeling), first);
 
@@ -187,12 +212,12 @@ fn add_pictures(pictures: &mut OutputSet, trial: &Trial<'_>, made: &Made) -> Res
     Ok(())
 }
 
-fn add_network_pictures(pictures: &mut OutputSet, number: usize, run: &NetworkRun) -> Result<()> {
+fn add_network_pictures(pictures: &mut Files, number: usize, run: &NetworkRun) -> Result<()> {
     let (map, split) = (&run.map.grid, run.split);
     let truth = buildings::from_column(split, &run.map.labels);
-    pictures.add(format!("network-{}.png", number + 1), pictures::labels_png(map, &run.found, split)?);
+    pictures.push((format!("network-{}.png", number + 1), pictures::labels_png(map, &run.found, split)?));
     let errors = pictures::errors_png(map, &run.found, &truth, split)?;
-    pictures.add(format!("network-{}-errors.png", number + 1), errors);
+    pictures.push((format!("network-{}-errors.png", number + 1), errors));
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! What a `topology.json` is checked for before other code relies on it.
 
-use super::json::{TopologyDocument, TopologyError};
+use super::{TopologyDocument, TopologyError};
 use crate::geom::Point2;
 use crate::grid::MapFrame;
 use crate::labels::Class;
@@ -96,9 +96,7 @@ impl Geometry<'_> {
         let mut rows_left = 4.0 * n_cells as f64;
         for place in &self.document.places {
             self.check_place(place)?;
-            for ring in
-                place.outline.iter().flat_map(|part| std::iter::once(&part.exterior).chain(&part.holes))
-            {
+            for ring in place.rings() {
                 self.points(ring, || format!("a corner of the outline of place {}", place.id.0))?;
                 let next = ring.iter().cycle().skip(1);
                 let rows = |(a, b): (&Point2, &Point2)| {

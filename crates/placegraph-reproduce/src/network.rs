@@ -4,10 +4,10 @@
 //! node and sees a decision list, as `placegraph train --method iamn` makes it.
 
 use anyhow::Result;
-use placegraph::amn::{self, IamnConfig, IamnReport, LabeledCells, TrainingMap};
+use placegraph::amn::{self, IamnConfig, IamnReport, LabeledCells};
 use placegraph::eval::CellScores;
 use placegraph::features::{self, extract};
-use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Occupancy, OccupancyGrid};
+use placegraph::grid::{Cell, CellGraph, FreeSpace, Grid, MapFrame, Occupancy, OccupancyGrid};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::pipeline;
 use placegraph::progress::{Progress, Stage};
@@ -98,7 +98,7 @@ pub(super) fn network(
     let scan = ScanConfig::default();
     progress.begin(Stage::Features);
     let table = extract(&building.map.grid, &cells, &features::freiburg203(), &scan, progress);
-    let maps = [TrainingMap { graph: &graph, resolution_m: sampled.map.grid.frame.resolution_m() }];
+    let maps = [FreeSpace { frame: sampled.map.grid.frame, graph }];
     let n_labels = LabelSet::default().len();
     let labeled = LabeledCells { maps: &maps, table: &table, labels: &truth, n_labels, scores: &[] };
     let (model, report) = amn::train(&labeled, config, progress);

@@ -1,0 +1,16 @@
+//! The model that comes with the library.
+
+use super::Model;
+
+/// Trained on generated buildings only: `docs/default-model.md`.
+const FILE: &[u8] = include_bytes!("../../assets/default.model.json");
+
+impl Model {
+    /// The model that comes with the library: corridors, rooms and doorways, learned from generated buildings.
+    ///
+    /// Needs the feature `default-model`. Cost: a file of 47 kB is read.
+    #[expect(clippy::expect_used, reason = "the file is part of the library, and a test reads it")]
+    pub fn builtin() -> Self {
+        Self::from_json(FILE).expect("the library's own model")
+    }
+}
