@@ -1,6 +1,6 @@
 //! Results of earlier runs, read back.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::{Context, Result};
@@ -34,4 +34,9 @@ fn parsed(path: &Path) -> Result<(TopologyDocument, Vec<u8>)> {
 pub(crate) fn fixed_time() -> Option<Duration> {
     let seconds: u32 = std::env::var("SOURCE_DATE_EPOCH").ok()?.parse().ok()?;
     Some(Duration::from_secs(seconds.into()))
+}
+
+/// The document of the result at `path`: the file itself, or that in a folder.
+pub(crate) fn path_in(path: &Path) -> PathBuf {
+    if path.is_dir() { path.join(DOCUMENT) } else { path.to_owned() }
 }

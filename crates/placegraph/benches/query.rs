@@ -41,7 +41,7 @@ fn office() -> (OccupancyGrid, TopologicalMap) {
     let regions = connected(graph, &labeling, DiagonalSteps::default());
     let field = LabelField::from_rows(3, vec![1.0 / 3.0; 3 * graph.n_nodes()]);
     let mut map = build(&space, &field, &regions, &LabelSet::default());
-    lay_routes(&mut map, &space, &regions);
+    lay_routes(&mut map, &space, &regions, 0.0);
     (grid, map)
 }
 

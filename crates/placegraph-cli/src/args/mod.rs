@@ -1,5 +1,6 @@
 //! What can be typed, exactly as typed.
 
+mod edit;
 mod values;
 
 use std::path::PathBuf;
@@ -7,6 +8,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
+pub(crate) use edit::EditArgs;
 use placegraph::export::Format;
 pub(crate) use values::{CropArg, Formats, PlacePointArg, PointArg};
 
@@ -43,6 +45,10 @@ pub(crate) enum Command {
     Generate(GenerateArgs),
     /// Write a topology.json in another program's format
     Export(ExportArgs),
+    /// List the places of a result
+    List(ListArgs),
+    /// Write a correction into an edit file: docs/edits.md
+    Edit(EditArgs),
     /// Tell which place a point lies in
     Where(WhereArgs),
     /// Tell the way from one place to another
@@ -114,10 +120,16 @@ pub(crate) struct MapArgs {
     /// What the costs, limits and zones of masks are: docs/exports.md
     #[arg(long, value_name = "MASKS.toml")]
     pub(crate) masks: Option<PathBuf>,
+    /// What the robot's center needs on all sides: routes, stations and masks keep it, and the graph is checked
+    #[arg(long, value_name = "METERS", default_value_t = 0.0, value_parser = values::radius)]
+    pub(crate) robot_radius: f64,
+    /// Where the robot is: what cannot be reached from there is cut off [default: what the largest part does not reach]
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
+    pub(crate) from: Option<PointArg>,
     /// Keep the numbers and names of this earlier result, and print what changed
     #[arg(long, value_name = "TOPOLOGY.json")]
     pub(crate) previous: Option<PathBuf>,
-    /// Apply these corrections by hand: docs/exports.md
+    /// Apply these corrections by hand: docs/edits.md
     #[arg(long, value_name = "EDITS.toml")]
     pub(crate) edits: Option<PathBuf>,
     /// Keep the results that are complete and made from the same map, model, options and version
@@ -340,6 +352,19 @@ pub(crate) struct ExportArgs {
     pub(crate) map: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ListArgs {
+    /// A result of `placegraph map`: its folder or its topology.json
+    #[arg(value_name = "RESULT")]
+    pub(crate) result: PathBuf,
+    /// Only places of this class
+    #[arg(long, value_name = "CLASS")]
+    pub(crate) class: Option<String>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]

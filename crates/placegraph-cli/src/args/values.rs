@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use placegraph::export::{FORMATS, Format};
+use placegraph::topology::reach::MAX_RADIUS_M;
 
 /// Pixels of an image, y down, upper bounds exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +57,15 @@ pub(crate) fn share(text: &str) -> Result<f64, String> {
     }
 }
 
-fn comma_separated<T: FromStr>(text: &str) -> Option<Vec<T>> {
+/// A robot's radius in meters.
+pub(crate) fn radius(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(radius_m) if (0.0..=MAX_RADIUS_M).contains(&radius_m) => Ok(radius_m),
+        _ => Err(format!("expected meters from 0 to {MAX_RADIUS_M}, found {text:?}")),
+    }
+}
+
+pub(super) fn comma_separated<T: FromStr>(text: &str) -> Option<Vec<T>> {
     text.split(',').map(|part| part.trim().parse().ok()).collect()
 }
 

@@ -1,10 +1,12 @@
 //! One file a command.
 
+pub(crate) mod edit;
 pub(crate) mod evaluate;
 pub(crate) mod export;
 pub(crate) mod features;
 pub(crate) mod generate;
 pub(crate) mod info;
+pub(crate) mod list;
 pub(crate) mod locate;
 pub(crate) mod map;
 pub(crate) mod route;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use placegraph::topology::query::{find_place, find_route};
+use placegraph::topology::query::{find_route, place_called};
 use placegraph::topology::{Place, PlaceRaster, TopologicalMap};
 use serde_json::{Value, json};
 
@@ -38,9 +38,7 @@ pub(crate) fn run(args: &RouteArgs) -> Result<Outcome> {
 }
 
 fn named_place<'a>(map: &'a TopologicalMap, text: &str, path: &Path) -> Result<&'a Place> {
-    find_place(map, text).with_context(|| {
-        format!("expected the name or the number of a place in {}, found {text:?}", path.display())
-    })
+    place_called(map, text).with_context(|| format!("in {}", path.display()))
 }
 
 /// What tells a place from others.

@@ -6,6 +6,7 @@
 mod batch;
 mod commands;
 mod dependencies;
+mod edits;
 mod exports;
 mod extremes;
 #[cfg(unix)]

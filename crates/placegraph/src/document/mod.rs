@@ -12,6 +12,7 @@ use crate::grid::{FrameError, GridShape, MapFrame, OccupancyGrid};
 use crate::labels::LabelSet;
 use crate::model::sha256_hex;
 use crate::syntax::SyntaxError;
+use crate::topology::reach::GraphCheck;
 use crate::topology::{Connection, Doorway, Place, PolygonWithHoles, Route, TopologicalMap};
 
 /// What the member `format` of every document says.
@@ -44,6 +45,9 @@ pub struct TopologyDocument {
     pub places: Vec<Place>,
     /// The connections, by their ends.
     pub connections: Vec<Connection>,
+    /// How good the graph is for the robot; absent where it was not checked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub graph: Option<GraphCheck>,
     /// Wall time of the stages, in milliseconds. Empty where results must not differ between runs.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub timings_ms: BTreeMap<String, f64>,
@@ -304,6 +308,7 @@ impl TopologyDocument {
             classes: classes.clone(),
             places: topology.places.iter().map(rounded_place).collect(),
             connections: topology.connections.iter().map(rounded_connection).collect(),
+            graph: None,
             timings_ms: BTreeMap::new(),
             findings: Vec::new(),
             skipped: Vec::new(),
@@ -424,10 +429,12 @@ fn rounded_connection(connection: &Connection) -> Connection {
     Connection {
         contact_m: rounded(connection.contact_m),
         middle: rounded_point(connection.middle),
-        route: connection
-            .route
-            .as_ref()
-            .map(|route| Route { length_m: rounded(route.length_m), line: rounded_points(&route.line) }),
+        route: connection.route.as_ref().map(|route| Route {
+            length_m: rounded(route.length_m),
+            line: rounded_points(&route.line),
+            // Down, so that what is written is kept.
+            clearance_m: route.clearance_m.map(|clearance| (clearance * 1e4).floor() / 1e4),
+        }),
         ..*connection
     }
 }

@@ -143,9 +143,14 @@ pub fn keepout_mask(
     keepout: &Keepout,
 ) -> Result<MaskFiles, ExportError> {
     keepout.cost.check(0.0, 100.0)?;
-    let paint = |place: &Place| keepout.cost.get(place).unwrap_or(0.0).round() as u8;
+    let elsewhere = keepout.elsewhere.min(100);
+    // What is cut off is closed unless the place itself is named.
+    let paint = |place: &Place| match keepout.cost.place.get(&place.name) {
+        None if place.cut_off => elsewhere,
+        _ => keepout.cost.get(place).unwrap_or(0.0).round() as u8,
+    };
     let filter = Filter::new("keepout_filter", "nav2_costmap_2d::KeepoutFilter", 0);
-    mask_files(map, sheet, keepout.elsewhere.min(100), paint, &filter)
+    mask_files(map, sheet, elsewhere, paint, &filter)
 }
 
 /// The speed mask (filter type 1 in percent, 2 in meters per second).

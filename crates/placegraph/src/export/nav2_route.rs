@@ -12,11 +12,12 @@ use super::geojson::{collection_bytes, position};
 use super::waypoints::{Leg, Waypoint, WaypointKind, waypoints};
 use crate::topology::TopologicalMap;
 
-/// The route graph of `map`, whose coordinates are in the frame `frame_id`.
+/// The route graph of what is not cut off in `map`, whose coordinates are in the frame `frame_id`.
 ///
 /// # Errors
 /// If no connection has a route: the server refuses a graph without edges.
 pub fn nav2_route(map: &TopologicalMap, frame_id: &str) -> Result<Vec<u8>, ExportError> {
+    let map = &map.reached();
     let (nodes, legs) = waypoints(map);
     if legs.is_empty() {
         return Err(ExportError::NoRoute);
@@ -90,6 +91,9 @@ fn edge_metadata(map: &TopologicalMap, leg: &Leg<'_>, to: &Waypoint<'_>, length_
     let mut metadata = json!({ "class": to.place.class, "length_m": length_m });
     if let Some(width_m) = map.width_m(leg.connection) {
         metadata["width_m"] = json!(width_m);
+    }
+    if let Some(clearance_m) = leg.connection.route.as_ref().and_then(|route| route.clearance_m) {
+        metadata["clearance_m"] = json!(clearance_m);
     }
     metadata
 }

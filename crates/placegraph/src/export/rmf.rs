@@ -49,7 +49,7 @@ struct Graph<'a> {
     doors: Vec<(&'a str, [Point2; 2])>,
 }
 
-/// The navigation graph of `map`.
+/// The navigation graph of what is not cut off in `map`.
 ///
 /// # Errors
 /// None for maps that this library built.
@@ -96,7 +96,8 @@ pub fn rmf_nav_graph(
         map: &'a str,
     }
 
-    let graph = Graph::new(map, shape);
+    let reached = map.reached();
+    let graph = Graph::new(&reached, shape);
     let vertices = graph
         .vertices
         .iter()
@@ -196,7 +197,8 @@ struct Building<'a> {
 /// # Errors
 /// None for maps that this library built.
 pub fn rmf_building(map: &TopologicalMap, shape: &GridShape, info: &RmfInfo) -> Result<Vec<u8>, ExportError> {
-    let graph = Graph::new(map, shape);
+    let reached = map.reached();
+    let graph = Graph::new(&reached, shape);
     let corner = |at: Point2, name| (tenth_mm(at.x), tenth_mm(at.y), 0.0, name, BTreeMap::new());
     let mut vertices: Vec<_> =
         graph.vertices.iter().map(|vertex| corner(vertex.at, vertex.name.as_str())).collect();

@@ -132,11 +132,12 @@ struct EdgeProperties {
     length_m: f64,
 }
 
-/// The tmap2 file of `map`.
+/// The tmap2 file of what is not cut off in `map`.
 ///
 /// # Errors
 /// None for maps that this library built.
 pub fn tmap2(map: &TopologicalMap, info: &TmapInfo) -> Result<Vec<u8>, ExportError> {
+    let map = &map.reached();
     let file = Tmap {
         meta: BTreeMap::from([("last_updated", info.last_updated.as_str())]),
         name: &info.name,

@@ -3,21 +3,22 @@
 //! [`analyze`] reads like the chapter's table of contents. What is freed early, and why, is decided below it.
 
 mod classify;
+mod places;
 mod smooth;
 
-use std::collections::BTreeSet;
-
 use crate::doorways::{self, DoorwayConfig};
-use crate::grid::{FreeSpace, GridShape, OccupancyGrid};
+use crate::grid::{FreeSpace, OccupancyGrid};
 use crate::labels::{Label, LabelField, Labeling};
 use crate::model::{Method, Model};
 use crate::progress::{Progress, Stage};
-use crate::regions::{DiagonalSteps, RegionId, RegionMap, connected, correct, islands, label_islands};
+use crate::regions::{DiagonalSteps, RegionMap, connected, correct, islands, label_islands};
 use crate::relax::relax_in_place;
 use crate::spaces::{self, SpaceConfig};
-use crate::topology::edits::{self, Edit, Edited, NotApplied};
-use crate::topology::identity::{CarriedOver, Change, carry_over};
-use crate::topology::{self, PlaceId, TopologicalMap};
+use crate::topology::edits::{self, Edit, OnMap, Outcome};
+use crate::topology::identity::Change;
+use crate::topology::reach::Robot;
+use crate::topology::{PlaceId, TopologicalMap};
+use places::{Places, places};
 
 pub use classify::{Classified, classify};
 pub use smooth::{Smoothed, smooth};
@@ -35,6 +36,8 @@ pub struct Config {
     pub correction: bool,
     /// Corrections by hand, applied after the automatic ones in this order.
     pub edits: Vec<Edit>,
+    /// The robot that routes are laid for.
+    pub robot: Robot,
     /// An earlier result: places that are still there keep its numbers and names.
     pub previous: Option<TopologicalMap>,
 }
@@ -46,6 +49,7 @@ impl Default for Config {
             spaces: Some(SpaceConfig::default()),
             correction: true,
             edits: Vec::new(),
+            robot: Robot::default(),
             previous: None,
         }
     }
@@ -75,16 +79,42 @@ pub struct Analysis {
     pub topology: TopologicalMap,
     /// Number of every region's place; `None` for an [island](crate::regions::islands()), which is none.
     pub place_ids: Vec<Option<PlaceId>>,
+    /// The map with the walls and openings of the edits, which `space` is that of; `None` where there are none.
+    pub drawn: Option<OccupancyGrid>,
     /// What became of every edit.
-    pub edit_outcomes: Vec<Result<(), NotApplied>>,
+    pub edit_outcomes: Vec<Outcome>,
     /// What changed since the earlier result; empty without one.
     pub changes: Vec<Change>,
 }
 
 /// Labels `map` with `model` and builds its topological map.
 ///
+/// Walls and openings among the edits are drawn into the map before; numbers and names then are those of the map without them.
+///
 /// Same map and model, same bits, on any number of threads. Cost: linear in the free cells.
 pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &dyn Progress) -> Analysis {
+    let Some(OnMap { map: drawn, outcomes }) = edits::apply_to_map(map, &config.edits) else {
+        return analyze_as_drawn(map, model, config, progress);
+    };
+    let previous = config.previous.clone().unwrap_or_else(|| {
+        analyze_as_drawn(map, model, &Config { edits: Vec::new(), ..config.clone() }, progress).topology
+    });
+    let config = Config { previous: Some(previous), ..config.clone() };
+    let mut analysis = analyze_as_drawn(&drawn, model, &config, progress);
+    for (position, outcome) in outcomes {
+        analysis.edit_outcomes[position] = outcome;
+    }
+    analysis.drawn = Some(drawn);
+    analysis
+}
+
+/// [`analyze`] without the edits of the map itself.
+fn analyze_as_drawn(
+    map: &OccupancyGrid,
+    model: &Model,
+    config: &Config,
+    progress: &dyn Progress,
+) -> Analysis {
     let label_set = &model.label_set;
     let space = FreeSpace::of(map); // the graph G = (V, E): Sect. 4.5
 
@@ -116,27 +146,9 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
         regions = correct_regions(&space, regions, model);
     }
 
-    if !config.edits.is_empty() {
-        progress.begin(Stage::Edits); // by hand
-    }
-    let Edited { regions, names, outcomes } = edits::apply(&space, label_set, regions, &config.edits);
-
-    progress.begin(Stage::Topology); // places and how they connect: Sect. 4.7
-    let mut built = topology::build(&space, &smoothed, &regions, label_set);
-    if config.correction {
-        leave_out_islands(&space, &regions, model, &mut built);
-    }
-
-    let names = names.into_iter().map(|(region, name)| (topology::place_id(region), name)).collect();
-    let CarriedOver { map: topology, renumbered, changes } = match &config.previous {
-        Some(previous) => {
-            progress.begin(Stage::Identity); // numbers and names of an earlier result
-            carry_over(&built, GridShape::of(map), previous, &names)
-        }
-        None => CarriedOver::first(&built, &names),
-    };
-    let number = |region| renumbered.get(&topology::place_id(RegionId(region as u32))).copied();
-    let place_ids = (0..regions.regions.len()).map(number).collect();
+    // Edits by hand, then places and how they connect: Sect. 4.7
+    let Places { regions, topology, place_ids, edit_outcomes, changes } =
+        places(&space, &smoothed, regions, model, config, progress);
     let labeling = regions.labeling();
     Analysis {
         space,
@@ -146,7 +158,8 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
         labeling,
         topology,
         place_ids,
-        edit_outcomes: outcomes,
+        drawn: None,
+        edit_outcomes,
         changes,
     }
 }
@@ -192,11 +205,4 @@ fn correct_regions(space: &FreeSpace, found: RegionMap, model: &Model) -> Region
     drop(found);
     let islands = islands(space, &corrected, thresholds.min_island_m2);
     label_islands(&space.graph, corrected, &islands)
-}
-
-/// Takes the places of islands out of `map`. Edits may have made islands, or joined them to something.
-fn leave_out_islands(space: &FreeSpace, regions: &RegionMap, model: &Model, map: &mut TopologicalMap) {
-    let islands = islands(space, regions, model.thresholds.min_island_m2);
-    let ids: BTreeSet<PlaceId> = islands.into_iter().map(topology::place_id).collect();
-    map.places.retain(|place| !ids.contains(&place.id));
 }

@@ -16,7 +16,7 @@ use crate::regions::{Contact, RegionId, RegionMap, contacts, properties};
 
 /// The topological map of `regions`. Place numbers are region ids + 1; geometry is in the map frame.
 ///
-/// Routes are laid by [`super::lay_routes`].
+/// Routes are those of a point; [`super::lay_routes`] lays those of a robot with a radius.
 ///
 /// `field` gives the probability of a place: the mean over its cells of the probability of its label.
 ///
@@ -61,6 +61,7 @@ pub fn build(
             clearance_m: clearance_cells(graph, regions, anchors[index]) * frame.resolution_m(),
             outline,
             doorway,
+            cut_off: false,
         }
     };
     let connection = |contact: &Contact| Connection {
@@ -74,7 +75,7 @@ pub fn build(
         places: outlines.into_par_iter().enumerate().map(place).collect(),
         connections: contacts.iter().map(connection).collect(),
     };
-    lay_routes(&mut map, space, regions);
+    lay_routes(&mut map, space, regions, 0.0);
     map
 }
 

@@ -65,10 +65,17 @@ pub struct CarriedOver {
 }
 
 impl CarriedOver {
-    /// A map without an earlier self: its places are numbered from 1 on, and those in `given` get the names given.
-    pub fn first(map: &TopologicalMap, given: &BTreeMap<PlaceId, String>) -> Self {
-        let renumbered: BTreeMap<PlaceId, PlaceId> =
-            map.places.iter().map(|place| place.id).zip((1..).map(PlaceId)).collect();
+    /// A map without an earlier self: its places get the `numbers` given, and those in `given` the names given.
+    pub fn first(
+        map: &TopologicalMap,
+        numbers: &BTreeMap<PlaceId, PlaceId>,
+        given: &BTreeMap<PlaceId, String>,
+    ) -> Self {
+        let renumbered: BTreeMap<PlaceId, PlaceId> = map
+            .places
+            .iter()
+            .map(|place| (place.id, numbers.get(&place.id).copied().unwrap_or(place.id)))
+            .collect();
         let mut map = renumber(map, &renumbered);
         let given = given.iter().filter_map(|(id, name)| Some((*renumbered.get(id)?, name.as_str())));
         name_places(&mut map, &given.collect());

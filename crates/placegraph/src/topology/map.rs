@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::geom::{EllipseAxes, Point2};
 use crate::labels::Role;
+use crate::regions::RegionId;
 
 /// Number of a place: its region's value in the region image, from 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -72,6 +73,9 @@ pub struct Place {
     /// Only for the role doorway.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doorway: Option<Doorway>,
+    /// Whether no routes lead there from where the robot is ([`reach`](super::reach)).
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub cut_off: bool,
 }
 
 impl Place {
@@ -119,18 +123,22 @@ pub struct Route {
     pub length_m: f64,
     /// Corners of the line, from the station of `a` to that of `b`; every cell it touches is free.
     pub line: Vec<Point2>,
+    /// Distance from the line to the nearest cell that is not free, in meters; farther ones than half a meter, or the robot's
+    /// radius, are not looked for. Absent where it was not computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clearance_m: Option<f64>,
 }
 
 impl Route {
     /// The route along `line`.
     pub fn along(line: Vec<Point2>) -> Self {
         let length_m = line.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
-        Self { length_m, line }
+        Self { length_m, line, clearance_m: None }
     }
 
     /// The same way in the other direction.
     pub fn reversed(&self) -> Self {
-        Self { length_m: self.length_m, line: self.line.iter().rev().copied().collect() }
+        Self { line: self.line.iter().rev().copied().collect(), ..*self }
     }
 }
 
@@ -179,6 +187,34 @@ impl TopologicalMap {
     pub fn width_m(&self, connection: &Connection) -> Option<f64> {
         let places = [connection.a, connection.b].into_iter().filter_map(|id| self.place(id));
         places.filter_map(|place| Some(place.doorway.as_ref()?.width_m)).min_by(f64::total_cmp)
+    }
+
+    /// The places that are not cut off, and the connections between them.
+    pub fn reached(&self) -> Self {
+        let is_cut_off = |id: PlaceId| self.place(id).is_some_and(|place| place.cut_off);
+        let places = self.places.iter().filter(|place| !place.cut_off).map(|place| {
+            let mut place = place.clone();
+            if let Some(doorway) = &mut place.doorway {
+                doorway.sides.retain(|&side| !is_cut_off(side));
+            }
+            place
+        });
+        let both = |connection: &&Connection| !is_cut_off(connection.a) && !is_cut_off(connection.b);
+        Self {
+            places: places.collect(),
+            connections: self.connections.iter().filter(both).cloned().collect(),
+        }
+    }
+
+    /// The map, built of regions, without the places of those for which `is_none` holds.
+    pub(crate) fn without(mut self, is_none: impl Fn(RegionId) -> bool) -> Self {
+        let is_left = |place: PlaceId| !is_none(RegionId(place.0 - 1));
+        self.places.retain(|place| is_left(place.id));
+        self.connections.retain(|connection| is_left(connection.a) && is_left(connection.b));
+        for doorway in self.places.iter_mut().filter_map(|place| place.doorway.as_mut()) {
+            doorway.sides.retain(|&side| is_left(side));
+        }
+        self
     }
 
     /// The connections of the place numbered `id`.

@@ -1,15 +1,18 @@
 //! The topological map: places, doorways and how they connect (Sect. 4.7); routes between them; what keeps
 //! their names over time; and the questions one asks of it.
 
+mod body;
 mod build;
 mod clearance;
 pub mod edits;
 pub mod identity;
 mod map;
+mod names;
 mod opening;
 mod outline;
 pub mod query;
 mod raster;
+pub mod reach;
 mod routes;
 mod segment;
 
@@ -17,6 +20,7 @@ pub use crate::geom::EllipseAxes;
 pub use build::build;
 pub(crate) use build::place_id;
 pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
+pub use names::{MAX_NAME_CHARS, NameError, check_name};
 #[doc(hidden)]
 pub use outline::outlines;
 pub use raster::{PlaceRaster, PlaceSpan};

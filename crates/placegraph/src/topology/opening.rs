@@ -94,7 +94,7 @@ fn node_at(graph: &CellGraph, x: i64, y: i64) -> Option<usize> {
 
 /// Distance from the center `start` of a cell along the unit vector `direction` to the first cell that is not free, in cells; any
 /// distance of at least `limit` if there is none before that [Amanatides and Woo 1987].
-fn clear_distance(graph: &CellGraph, start: Point2, direction: Vec2, limit: f64) -> f64 {
+pub(super) fn clear_distance(graph: &CellGraph, start: Point2, direction: Vec2, limit: f64) -> f64 {
     let axis = |position: f64, speed: f64| {
         // The cell, the distance to its side and between sides, and the step.
         (position.floor() as i64, 0.5 / speed.abs(), 1.0 / speed.abs(), speed.signum() as i64)

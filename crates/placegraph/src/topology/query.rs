@@ -68,10 +68,53 @@ impl PlaceIndex {
     }
 }
 
+/// No place has the name or the number that was asked for.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected the name or the number of a place, found {found:?}; there are {}", listed(known))]
+pub struct UnknownPlace {
+    /// What was asked for.
+    pub found: String,
+    /// The names there are, those that begin like it first.
+    pub known: Vec<String>,
+}
+
+impl UnknownPlace {
+    /// Nothing called `found` among `known`.
+    pub fn new(found: &str, mut known: Vec<String>) -> Self {
+        known.sort_by_cached_key(|name| (Reverse(common_beginning(name, found)), name.clone()));
+        Self { found: found.to_owned(), known }
+    }
+}
+
+/// Number of characters in which two texts begin alike, without regard to case.
+fn common_beginning(a: &str, b: &str) -> usize {
+    let [a, b] = [a, b].map(|text| text.to_lowercase().chars().collect::<Vec<_>>());
+    a.iter().zip(&b).take_while(|(a, b)| a == b).count()
+}
+
+/// The first dozen names, and how many more there are.
+pub(crate) fn listed(names: &[String]) -> String {
+    const SHOWN: usize = 12;
+    match names.len() {
+        0 => "none".to_owned(),
+        n if n <= SHOWN => names.join(", "),
+        n => format!("{} and {} more", names[..SHOWN].join(", "), n - SHOWN),
+    }
+}
+
 /// The place that people call `text`: its name, or its number.
 pub fn find_place<'a>(map: &'a TopologicalMap, text: &str) -> Option<&'a Place> {
     let named = map.places.iter().find(|place| place.name == text);
     named.or_else(|| map.place(PlaceId(text.parse().ok()?)))
+}
+
+/// [`find_place`], or what there is instead.
+///
+/// # Errors
+/// If no place has this name or number.
+pub fn place_called<'a>(map: &'a TopologicalMap, text: &str) -> Result<&'a Place, UnknownPlace> {
+    let names = || map.places.iter().map(|place| place.name.clone()).collect();
+    find_place(map, text).ok_or_else(|| UnknownPlace::new(text, names()))
 }
 
 /// A way through the map.

@@ -2,7 +2,8 @@
 //!
 //! One search from all stations at once gives every cell's cheapest way to the station of its own place. The
 //! route of a connection crosses the common border where the two ways together are cheapest, and is then pulled
-//! straight. Steps near walls cost more, up to twice as much at the wall itself.
+//! straight. Steps near walls cost more, up to twice as much at the wall itself. A robot with a radius keeps it: cells nearer to
+//! a wall are not entered, and every straight part is checked exactly.
 //!
 //! Cost: one search over the free cells, linear in them but for sorting those of equal cost; the pulling looks some tens of
 //! times along every straight part of a route. Memory: 6 bytes a node.
@@ -12,6 +13,7 @@ use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
 use rayon::prelude::*;
 
+use super::body::Body;
 use super::segment::all_touched;
 use super::{Route, TopologicalMap};
 use crate::geom::Point2;
@@ -28,22 +30,26 @@ const DIAGONAL: u32 = 1414;
 /// Not reached by the search.
 const UNREACHED: u32 = u32::MAX;
 
-/// Computes the routes of all connections of `map`, whose place number i + 1 is region i.
+/// Computes the routes of all connections of `map`, whose place number i + 1 is region i, for the center of a robot that needs
+/// `radius_m` meters on all sides; 0 for a point.
 ///
-/// A route stays within its two places. Where that is impossible (cells that meet at a corner only) it may
+/// A route stays within its two places. Where that is impossible (cells that meet at a corner only) that of a point may
 /// touch others; where there is no way at all the connection has no route.
-pub fn lay_routes(map: &mut TopologicalMap, space: &FreeSpace, regions: &RegionMap) {
-    let walks = Walks::new(map, space, regions);
+pub fn lay_routes(map: &mut TopologicalMap, space: &FreeSpace, regions: &RegionMap, radius_m: f64) {
+    let walks = Walks::new(map, space, regions, radius_m);
     let portals = walks.portals();
     for connection in &mut map.connections {
         let pair = [connection.a, connection.b].map(|place| RegionId(place.0 - 1));
         let path = match portals.get(&(pair[0], pair[1])) {
             Some(portal) => Some(walks.path_through(portal.nodes)),
+            None if walks.passable.is_some() => None,
             None => walks.detour(pair),
         };
         connection.route = path.map(|path| {
             let line = walks.pulled_straight(&path, pair);
-            Route::along(line.into_iter().map(|point| space.frame.map_from_cells(point)).collect())
+            let clearance = walks.body.clearance(&line, walks.radius.max(f64::from(walks.comfort)));
+            let line = line.into_iter().map(|point| space.frame.map_from_cells(point)).collect();
+            Route { clearance_m: Some(clearance * space.resolution_m()), ..Route::along(line) }
         });
     }
 }
@@ -57,6 +63,11 @@ struct Portal {
 /// Every node's cheapest way to the station of its region.
 struct Walks<'a> {
     graph: &'a CellGraph,
+    body: Body<'a>,
+    /// What the robot needs on all sides, in cells.
+    radius: f64,
+    /// Where it has that; `None` for a point, which is everywhere.
+    passable: Option<Vec<bool>>,
     regions: &'a RegionMap,
     /// Node of each region's station.
     stations: Vec<usize>,
@@ -69,8 +80,11 @@ struct Walks<'a> {
 }
 
 impl<'a> Walks<'a> {
-    fn new(map: &TopologicalMap, space: &'a FreeSpace, regions: &'a RegionMap) -> Self {
+    fn new(map: &TopologicalMap, space: &'a FreeSpace, regions: &'a RegionMap, radius_m: f64) -> Self {
         let graph = &space.graph;
+        let radius = space.in_cells(radius_m);
+        let body = Body { graph };
+        let passable = (radius > 0.0).then(|| body.passable(radius));
         let comfort = space.in_cells(COMFORT_M).ceil().clamp(1.0, 255.0) as u8;
         let stations = map.places.iter().map(|place| {
             let region = RegionId(place.id.0 - 1);
@@ -81,10 +95,17 @@ impl<'a> Walks<'a> {
                 .or_else(|| node_near(space, place.anchor))
                 .unwrap_or_default()
         });
+        let mut stations: Vec<usize> = stations.collect();
+        if let Some(passable) = &passable {
+            move_to_passable(&mut stations, graph, regions, passable);
+        }
         let mut walks = Self {
             graph,
+            body,
+            radius,
+            passable,
             regions,
-            stations: stations.collect(),
+            stations,
             clearance: clearance(graph, comfort),
             comfort,
             cost: Vec::new(),
@@ -101,6 +122,7 @@ impl<'a> Walks<'a> {
         let regions = self.stations.par_iter().enumerate();
         regions
             .filter(|&(region, &station)| self.regions.region_of[station].index() == region)
+            .filter(|&(_, &station)| self.is_passable(station))
             .for_each_init(Queue::new, |queue, (region, &station)| {
                 cost[station].store(0, Ordering::Relaxed);
                 queue.start(self.position(station));
@@ -130,6 +152,10 @@ impl<'a> Walks<'a> {
         cell.y * self.graph.width() + cell.x
     }
 
+    fn is_passable(&self, node: usize) -> bool {
+        self.passable.as_ref().is_none_or(|passable| passable[node])
+    }
+
     /// The position one step away, which is in the map.
     fn beside(&self, position: u32, step: usize) -> u32 {
         let (x, y) = Connectivity::Eight.steps()[step];
@@ -149,7 +175,8 @@ impl<'a> Walks<'a> {
             let (x, y) = step;
             let next = at(x, y);
             let is_cut = next == NO_NODE || at(x, 0) == NO_NODE || at(0, y) == NO_NODE;
-            (!is_cut).then(|| (number, next as usize, self.step_cost(next as usize, step)))
+            let is_open = !is_cut && self.is_passable(next as usize);
+            is_open.then(|| (number, next as usize, self.step_cost(next as usize, step)))
         })
     }
 
@@ -275,7 +302,7 @@ impl<'a> Walks<'a> {
                 let tightest_to_next = between.fold(tightest, u8::min);
                 let is_visible = all_touched(center(corner), center(next), |x, y| {
                     self.node_in(pair, x, y).is_some_and(|node| self.clearance[node] >= tightest_to_next)
-                });
+                }) && self.keeps_radius(center(corner), center(next));
                 if !is_visible && stride > 1 {
                     stride /= 2;
                     continue;
@@ -294,12 +321,33 @@ impl<'a> Walks<'a> {
         line
     }
 
+    /// Whether the robot has what it needs all along the line.
+    fn keeps_radius(&self, a: Point2, b: Point2) -> bool {
+        self.passable.is_none() || self.body.clearance(&[a, b], self.radius + 1.0) >= self.radius - 1e-9
+    }
+
     /// The node in column `x` and row `y` if it belongs to one of two regions.
     fn node_in(&self, pair: [RegionId; 2], x: i64, y: i64) -> Option<usize> {
         let cell = Cell::new(u32::try_from(x).ok()?, u32::try_from(y).ok()?);
         let inside = cell.x < self.graph.width() && cell.y < self.graph.height();
         let node = if inside { self.graph.node_at(cell)? } else { return None };
         pair.contains(&self.regions.region_of[node]).then_some(node)
+    }
+}
+
+/// Moves stations that are not passable to the nearest node of their region that is; of equally near ones to the first.
+fn move_to_passable(stations: &mut [usize], graph: &CellGraph, regions: &RegionMap, passable: &[bool]) {
+    let wanted: Vec<Option<Cell>> =
+        stations.iter().map(|&station| (!passable[station]).then(|| graph.cell(station))).collect();
+    let mut nearest = vec![u64::MAX; stations.len()];
+    for (node, cell) in graph.cells_in_rows(0..graph.height()).enumerate() {
+        let region = regions.region_of[node].index();
+        let Some(from) = wanted[region].filter(|_| passable[node]) else { continue };
+        let squared = u64::from(cell.x.abs_diff(from.x)).pow(2) + u64::from(cell.y.abs_diff(from.y)).pow(2);
+        if squared < nearest[region] {
+            nearest[region] = squared;
+            stations[region] = node;
+        }
     }
 }
 

@@ -13,4 +13,5 @@ mod topology_edits;
 mod topology_identity;
 mod topology_oracles;
 mod topology_query;
+mod topology_reach;
 mod topology_routes;

@@ -52,7 +52,7 @@ fn names_given_by_hand_win_over_earlier_ones() {
     assert_eq!((name(2), name(3)), ("named 1", "named 3"));
     assert_eq!(name(1), format!("{} 1", map.places[0].class));
 
-    let first = CarriedOver::first(&building.map, &given).map;
+    let first = CarriedOver::first(&building.map, &BTreeMap::new(), &given).map;
     assert_eq!(first.place(PlaceId(2)).unwrap().name, "named 1");
     assert_eq!(first.place(PlaceId(1)), building.map.place(PlaceId(1)));
 }

@@ -31,6 +31,11 @@ pub(super) fn run(job: &Job, setup: &Setup<'_>, verbose: bool) -> Result<Outcome
         tell_timings(&timings);
     }
     tell_result(&job.map, &summary(&document), written.len(), &job.folder);
+    for (outcome, n) in analysis.edit_outcomes.iter().zip(1..) {
+        if let Ok(applied) = outcome {
+            complain(&format!("edit {n}: {applied}"));
+        }
+    }
     for change in &analysis.changes {
         print(&format!("{}\n", in_words(change, &analysis.topology)))?;
     }

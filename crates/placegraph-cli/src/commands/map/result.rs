@@ -13,6 +13,7 @@ use placegraph::import::{LoadedMap, Severity, check, has_memory};
 use placegraph::labels::LabelField;
 use placegraph::pipeline::{self, Analysis};
 use placegraph::progress::Stage;
+use placegraph::topology::reach::{self, GraphCheck};
 
 use super::setup::{Context, Setup};
 use crate::commands::Outcome;
@@ -59,6 +60,9 @@ pub(super) fn label(map: &LoadedMap, setup: &Setup<'_>, context: &Context, watch
     let errors = findings.iter().filter(|finding| finding.severity() == Severity::Error);
     document.errors = errors.map(ToString::to_string).chain(unapplied.iter().cloned()).collect();
     document.findings = findings.iter().map(ToString::to_string).chain(unapplied).collect();
+    let robot = &context.config.robot;
+    document.graph = Some(GraphCheck::of(&analysis.topology, robot.radius_m));
+    document.findings.extend(reach::remarks(&analysis.topology, robot));
     if document::fixed_time().is_none() {
         let in_ms = |(stage, time): &(Stage, Duration)| (stage.name().to_owned(), time.as_secs_f64() * 1e3);
         document.timings_ms = timings.iter().map(in_ms).collect();
@@ -85,7 +89,9 @@ pub(super) fn files(
     analysis: &Analysis,
     setup: &Setup<'_>,
 ) -> Result<OutputSet> {
-    let (graph, frame) = (&analysis.space.graph, &map.grid.frame);
+    // With the walls and openings that edits drew.
+    let grid = analysis.drawn.as_ref().unwrap_or(&map.grid);
+    let (graph, frame) = (&analysis.space.graph, &grid.frame);
     let mut files = OutputSet::default();
     if setup.args.stages {
         files.add("labels.1-classified.png", label_png(graph, &analysis.classified));
@@ -96,7 +102,7 @@ pub(super) fn files(
     }
     let label_set = &setup.model.model.label_set;
     let (overview, (labels, regions)) = rayon::join(
-        || overview_png(&map.grid, &analysis.labeling, label_set, &analysis.topology, &map.name),
+        || overview_png(grid, &analysis.labeling, label_set, &analysis.topology, &map.name),
         || {
             rayon::join(
                 || label_png(graph, &analysis.labeling),
@@ -110,7 +116,7 @@ pub(super) fn files(
     files.add("regions.yaml", raster_yaml("regions.png", frame));
     files.add("overview.png", overview);
     let has_picture = setup.formats.iter().any(|format| format.needs_cells);
-    let picture = has_picture.then(|| (&map.grid.cells, most_likely_probability(graph, &analysis.smoothed)));
+    let picture = has_picture.then(|| (&grid.cells, most_likely_probability(graph, &analysis.smoothed)));
     add_exports(&mut files, document, &setup.formats, setup, picture)?;
     seal(&mut files, document)?;
     Ok(files)

@@ -4,12 +4,14 @@ use std::path::PathBuf;
 
 use anyhow::{Context as _, Result, ensure};
 use placegraph::export::{Format, MaskSettings, TopologyDocument};
+use placegraph::geom::Point2;
 use placegraph::model::sha256_hex;
 use placegraph::pipeline;
 use placegraph::topology::edits::{Edit, EditFile};
+use placegraph::topology::reach::Robot;
 
 use super::jobs::Job;
-use crate::args::{Formats, MapArgs, ReadArgs, RulesArg};
+use crate::args::{Formats, MapArgs, PointArg, ReadArgs, RulesArg};
 use crate::document;
 use crate::model::NamedModel;
 use crate::read;
@@ -71,6 +73,10 @@ impl<'a> Setup<'a> {
         let config = pipeline::Config {
             correction: !self.args.no_correction,
             edits: edits.map(|(edits, _)| edits).unwrap_or_default(),
+            robot: Robot {
+                radius_m: self.args.robot_radius,
+                from: self.args.from.map(|point| Point2::new(point.x, point.y)),
+            },
             previous: previous.as_ref().map(TopologyDocument::topology),
             ..if self.args.no_doorways { pipeline::Config::chapter() } else { pipeline::Config::default() }
         };
@@ -110,6 +116,8 @@ fn options(args: &MapArgs, masks_hash: Option<&str>) -> Vec<String> {
         probabilities,
         no_doorways,
         no_correction,
+        robot_radius,
+        from,
         read:
             ReadArgs {
                 resolution,
@@ -130,6 +138,8 @@ fn options(args: &MapArgs, masks_hash: Option<&str>) -> Vec<String> {
     ];
     let mut options: Vec<String> =
         switches.into_iter().filter(|(is_on, _)| *is_on).map(|(_, name)| name.to_owned()).collect();
+    options.extend((*robot_radius > 0.0).then(|| format!("--robot-radius {robot_radius}")));
+    options.extend(from.map(|PointArg { x, y }| format!("--from {x},{y}")));
     options.extend(resolution.map(|resolution| format!("--resolution {resolution}")));
     options.extend(masks_hash.map(|hash| format!("--masks sha256:{hash}")));
     options

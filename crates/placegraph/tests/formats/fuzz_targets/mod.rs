@@ -17,7 +17,8 @@ use placegraph::model::{Method, Model};
 use placegraph::pipeline;
 use placegraph::progress::Silent;
 use placegraph::regions::{DiagonalSteps, connected};
-use placegraph::topology::edits::{EditFile, apply};
+use placegraph::topology::PlaceId;
+use placegraph::topology::edits::{EditFile, Numbering, apply, apply_to_map};
 use placegraph::topology::query::{PlaceIndex, find_route};
 use placegraph::topology::{PlaceRaster, TopologicalMap};
 
@@ -173,13 +174,19 @@ pub fn edits(bytes: &[u8]) {
         return;
     };
     let map = small_map();
+    let map = apply_to_map(&map, &file.edits).map_or(map, |drawn| drawn.map);
     let space = FreeSpace::of(&map);
     let graph = &space.graph;
     let label = |x: u32| Label([1, 2, 0][(x > 4) as usize + (x > 5) as usize]);
     let labels: Labeling = graph.cells().iter().map(|cell| label(cell.x)).collect();
     let regions = connected(graph, &labels, DiagonalSteps::default());
-    let edited = apply(&space, &LabelSet::default(), regions, &file.edits);
+    let numbers = (1..=regions.regions.len() as u32).map(|id| Some(PlaceId(id))).collect();
+    let numbering = Numbering { numbers, ..Numbering::default() };
+    let edited = apply(&space, &LabelSet::default(), regions, numbering, &file.edits);
     assert_eq!(edited.outcomes.len(), file.edits.len());
+    let mut numbers: Vec<PlaceId> = edited.numbers.iter().copied().flatten().collect();
+    numbers.sort_unstable();
+    assert!(numbers.windows(2).all(|pair| pair[0] < pair[1]), "every number once");
     let n_cells: u32 = edited.regions.regions.iter().map(|region| region.n_cells).sum();
     assert!(n_cells as usize == graph.n_nodes() && edited.regions.regions.iter().all(|r| r.n_cells > 0));
 }

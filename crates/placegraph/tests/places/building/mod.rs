@@ -94,7 +94,7 @@ pub(crate) fn finish(
     let field = LabelField::from_rows(labels.len(), third);
     let space = FreeSpace { frame: grid.frame, graph };
     let mut map = build(&space, &field, &regions, &labels);
-    lay_routes(&mut map, &space, &regions);
+    lay_routes(&mut map, &space, &regions, 0.0);
     Building { grid, space, labels, regions, map }
 }
 

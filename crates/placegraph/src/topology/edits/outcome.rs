@@ -1,0 +1,145 @@
+//! What became of an edit.
+
+use std::fmt;
+
+use serde::Serialize;
+
+use super::At;
+use crate::topology::query::{UnknownPlace, listed};
+
+/// What became of an edit.
+pub type Outcome = Result<Applied, NotApplied>;
+
+/// An edit that applied. `Display` says it in a line.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Applied {
+    /// The word for it in the file.
+    pub action: String,
+    /// The places that it concerned, by the names they had before it.
+    pub was: Vec<String>,
+    /// What they are in the result, by name. Those that later edits took away are not listed.
+    pub now: Vec<String>,
+    /// The line as it was moved to the gap, in meters of the map frame.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub line: Option<[At; 2]>,
+}
+
+impl fmt::Display for Applied {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let names = |names: &[String]| if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        write!(f, "{}", self.action)?;
+        if !self.was.is_empty() || !self.now.is_empty() {
+            write!(f, ": {} became {}", names(&self.was), names(&self.now))?;
+        }
+        if let Some([[ax, ay], [bx, by]]) = self.line {
+            write!(f, ", along ({ax:.2}, {ay:.2}) to ({bx:.2}, {by:.2})")?;
+        }
+        Ok(())
+    }
+}
+
+/// Why an edit does not apply to this map.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum NotApplied {
+    /// No place is there.
+    #[error("expected a place at ({x}, {y}), found {found}")]
+    NoPlace {
+        /// The point's first coordinate, in meters.
+        x: f64,
+        /// Its second coordinate, in meters.
+        y: f64,
+        /// What is there.
+        found: &'static str,
+    },
+    /// No place has this name or number.
+    #[error(transparent)]
+    NoPlaceCalled(#[from] UnknownPlace),
+    /// The model knows no such class.
+    #[error("expected one of the model's classes, {}, found {class:?}", listed(known))]
+    NoClass {
+        /// The name found.
+        class: String,
+        /// The names there are.
+        known: Vec<String>,
+    },
+    /// The model has no class with the role doorway.
+    #[error("expected a class with the role doorway, found none")]
+    NoDoorwayClass,
+    /// Another place has this name.
+    #[error("expected a name that no other place has, found {name:?} twice")]
+    NameTaken {
+        /// The name.
+        name: String,
+    },
+    /// A name that a place cannot have.
+    #[error(transparent)]
+    Name(#[from] crate::topology::NameError),
+    /// The line parts nothing.
+    #[error(
+        "expected a line from wall to wall that parts a place in two, found none within {within_m} m of \
+         ({ax:.2}, {ay:.2}) to ({bx:.2}, {by:.2})"
+    )]
+    PartsNothing {
+        /// First coordinate of the line's first end, in meters.
+        ax: f64,
+        /// Its second coordinate.
+        ay: f64,
+        /// First coordinate of its second end.
+        bx: f64,
+        /// Its second coordinate.
+        by: f64,
+        /// How far around it was looked, in meters.
+        within_m: f64,
+    },
+    /// The opening leads from free space to none.
+    #[error(
+        "expected a line from free space through a wall to free space, found {found} at ({x:.2}, {y:.2})"
+    )]
+    LeadsNowhere {
+        /// What is there.
+        found: &'static str,
+        /// First coordinate of the end in question, in meters.
+        x: f64,
+        /// Its second coordinate.
+        y: f64,
+    },
+    /// There is nothing to open on the line.
+    #[error("expected a line through a wall, found only free cells on it")]
+    NothingToOpen,
+    /// The line lies where a doorway is.
+    #[error("expected a passage without a doorway, found {name}: move or remove it instead")]
+    IsDoorway {
+        /// The doorway.
+        name: String,
+    },
+    /// Fewer than two places.
+    #[error("expected two or more places, found {} only", listed(found))]
+    OnePlace {
+        /// The one.
+        found: Vec<String>,
+    },
+    /// The places do not touch one another.
+    #[error(
+        "expected places that touch one another or that a doorway joins, found {}, which do not",
+        listed(found)
+    )]
+    NotTouching {
+        /// The places.
+        found: Vec<String>,
+    },
+    /// The place is not a doorway.
+    #[error("expected a doorway, found {name}, a {class}")]
+    NoDoorway {
+        /// Its name.
+        name: String,
+        /// Its class.
+        class: String,
+    },
+    /// A doorway that nothing lies beside.
+    #[error("expected a place beside {name}, found none that could take its cells")]
+    NothingBeside {
+        /// The doorway.
+        name: String,
+    },
+}
