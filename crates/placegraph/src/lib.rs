@@ -19,7 +19,38 @@
 //! The library prints nothing, reads no clock, draws no random numbers and has no globals: the same input
 //! gives the same bits on any number of threads.
 //!
+//! # Start here
+//!
+//! ```
+//! use placegraph::grid::OccupancyGrid;
+//! use placegraph::model::Model;
+//! use placegraph::pipeline::{Config, analyze};
+//! use placegraph::progress::Silent;
+//!
+//! let map = OccupancyGrid::from_ascii(0.5, "##########\n#........#\n#........#\n##########");
+//! let analysis = analyze(&map, &Model::builtin(), &Config::default(), &Silent);
+//! assert_eq!(analysis.topology.places.len(), 1);
+//! ```
+//!
+//! The examples `01_label_map` to `05_update` show more: own classes, routes, an own feature, and updates that keep names.
+//!
+//! # Features
+//!
+//! | feature | what it brings |
+//! |---|---|
+//! | `default-model` | [`Model::builtin`](model::Model) |
+//! | `import` | the readers of map files, label images, training and edit files |
+//! | `export` | label images, pictures, and the files of other programs |
+//!
+//! All are on by default. Without them a map is labeled with less than half of the crates.
+//!
+//! Items that the documentation does not show are for benches and oracles, and may change in any release.
+//!
 //! The order of the modules is in `ARCHITECTURE.md`: each uses only those before it.
+
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 pub mod amn;
 pub mod boost;

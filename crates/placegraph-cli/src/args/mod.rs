@@ -142,7 +142,7 @@ pub(crate) struct MapArgs {
 /// Sets of features; `docs/features.md` has their members.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FeaturesArg {
-    /// All 216
+    /// All of them
     All,
     /// The 203 of the author's program
     Freiburg203,

@@ -66,7 +66,7 @@ impl StrongClassifier {
     }
 }
 
-/// Confidences (C⁺, C⁻) of a yes and of a no for score F at a temperature (Eqs. 4.2 to 4.4).
+/// Confidences (C⁺, C⁻) of a yes and of a no for score F at a temperature, Eqs. (4.2) and (4.3); they sum to 1, Eq. (4.4).
 ///
 /// **Deviation**: the chapter's confidence is that of temperature 1. Boosting drives |F| up until nearly every
 /// confidence is 0 or 1, and relaxation cannot revive a label of probability 0; dividing F by a temperature

@@ -35,6 +35,42 @@ pub use config::{DoorwayConfig, GateRule, WalkConfig, WallConfig};
 /// its next best label to what was doorway. Without a class of role doorway nothing changes;
 /// with several, a doorway takes the one that `field` finds most probable in it.
 ///
+/// # Examples
+/// ```
+/// use placegraph::doorways::{DoorwayConfig, mark};
+/// use placegraph::grid::{FreeSpace, OccupancyGrid};
+/// use placegraph::labels::{Label, LabelField, LabelSet};
+///
+/// let map = OccupancyGrid::from_ascii(
+///     0.25,
+///     "
+///     ?###########################
+///     ?#............#............#
+///     ?#............#............#
+///     ?#............#............#
+///     ?#............#............#
+///     ?#............#............#
+///     ?#.........................#
+///     ?#.........................#
+///     ?#.........................#
+///     ?#.........................#
+///     ?#............#............#
+///     ?#............#............#
+///     ?#............#............#
+///     ?#............#............#
+///     ?#............#............#
+///     ?###########################
+///     ",
+/// );
+/// let space = FreeSpace::of(&map);
+/// // All cells were labeled room, without a doubt. The doorway reaches a cell beyond the wall.
+/// let n = space.graph.n_nodes();
+/// let field = LabelField::from_rows(3, [0.0, 1.0, 0.0].repeat(n));
+/// let marked = mark(&space, &field, &vec![Label(1); n], &LabelSet::default(), &DoorwayConfig::default());
+/// let drawn = space.graph.to_ascii(|node| ['c', 'r', 'd'][marked[node].index()]);
+/// assert_eq!(drawn.lines().nth(6), Some("##rrrrrrrrrrrdddrrrrrrrrrrr#"));
+/// ```
+///
 /// # Panics
 /// If `field` or `labeling` do not belong to `space`, or a label is not of `label_set`.
 pub fn mark(

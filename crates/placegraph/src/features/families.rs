@@ -75,7 +75,7 @@ pub(super) struct Family {
     pub(super) measure: Measure,
     /// Set and number in the book's appendices, or empty.
     pub(super) book: &'static str,
-    /// Name in the author's program, or empty.
+    /// Name in the author's program, or a name of our own that does not look like one (`f` and a number), or empty.
     pub(super) code: &'static str,
     pub(super) parameters: Option<Parameters>,
     pub(super) description: &'static str,
@@ -126,7 +126,7 @@ use Scale::{Decades, FixedLength, Invariant, Power};
 
 /// All families: set A, set B, then what only the author's program has.
 #[rustfmt::skip]
-pub(super) const FAMILIES: [Family; 44] = [
+pub(super) const FAMILIES: &[Family] = &[
     row(M::MeanDifference, "A1", "f2", "m", Power(1.0),
         "mean difference of consecutive beams", "mean(Δ_i)"),
     row(M::SdDifference, "A2", "f2_sd", "m", Power(1.0),

@@ -121,7 +121,7 @@ pub fn lean120() -> Vec<FeatureId> {
     select(|feature| match feature.measure {
         Measure::BeamsOnLines => false,
         Measure::Fourier => !is_high(feature),
-        _ => true,
+        _ => feature.book.is_some() || is_of_author(feature),
     })
 }
 
@@ -133,8 +133,13 @@ fn select(wanted: impl Fn(&Feature) -> bool) -> Vec<FeatureId> {
 }
 
 fn in_freiburg203(feature: &Feature) -> bool {
-    use Measure::{BeamsOnLines, Circularity, FormFactor, SdClippedDifference};
-    !matches!(feature.measure, SdClippedDifference | BeamsOnLines | FormFactor | Circularity)
+    is_of_author(feature) && !matches!(feature.measure, Measure::BeamsOnLines | Measure::FormFactor)
+}
+
+/// Whether the author's program has the feature: it calls them f1, f2 and so on.
+fn is_of_author(feature: &Feature) -> bool {
+    let number = feature.code.and_then(|code| code.strip_prefix('f'));
+    number.is_some_and(|number| number.starts_with(|digit: char| digit.is_ascii_digit()))
 }
 
 /// Whether the author's program calls the feature f27 to f34, or ends its name in `_2`.

@@ -10,11 +10,7 @@ use super::{CellGraph, MapFrame, OccupancyGrid};
 /// ```
 /// use placegraph::grid::{FreeSpace, OccupancyGrid};
 ///
-/// let map = OccupancyGrid::from_ascii(0.5, "
-///     ####
-///     #..#
-///     ####
-/// ");
+/// let map = OccupancyGrid::from_ascii(0.5, "####\n#..#\n####");
 /// let space = FreeSpace::of(&map);
 /// assert_eq!(space.graph.n_nodes(), 2);
 /// assert_eq!(space.in_cells(1.0), 2.0);

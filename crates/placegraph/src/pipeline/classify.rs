@@ -27,6 +27,23 @@ pub struct Classified {
 /// Classifies the free cells of `map`, each by its own scan: scans, features and the decision list (Sect. 4.2 to 4.4), or the
 /// node potentials of a network (Sect. 4.6.1).
 ///
+/// # Examples
+/// ```
+/// use placegraph::grid::{FreeSpace, OccupancyGrid};
+/// use placegraph::model::Model;
+/// use placegraph::pipeline::{classify, smooth};
+/// use placegraph::progress::Silent;
+///
+/// # let drawing = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/building.txt"));
+/// # let drawing = drawing.replace(['c', 'r', 'd'], ".");
+/// let (map, model) = (OccupancyGrid::from_ascii(0.25, &drawing), Model::builtin());
+/// let space = FreeSpace::of(&map);
+/// let found = smooth(&space, classify(&map, &space, &model, &Silent), &model);
+/// // What single scans say is ragged; the neighbors make it even.
+/// let n_changed = found.classified.most_likely().iter().zip(&found.labeling).filter(|(a, b)| a != b).count();
+/// assert!(n_changed > 0);
+/// ```
+///
 /// Memory of the boosted method, in addition to the result: half a byte a cell, or 4 MB.
 pub fn classify(
     map: &OccupancyGrid,

@@ -92,6 +92,35 @@ pub struct Analysis {
 /// Walls and openings among the edits are drawn into the map before; numbers and names then are those of the map without them.
 ///
 /// Same map and model, same bits, on any number of threads. Cost: linear in the free cells.
+///
+/// # Examples
+/// Rooms on both sides of a corridor, 25 cm a letter:
+/// ```
+/// use placegraph::grid::OccupancyGrid;
+/// use placegraph::model::Model;
+/// use placegraph::pipeline::{Config, analyze};
+/// use placegraph::progress::Silent;
+///
+/// # let drawing = include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/examples/data/building.txt"));
+/// # let drawing = drawing.replace(['c', 'r', 'd'], ".");
+/// let map = OccupancyGrid::from_ascii(0.25, &drawing);
+/// let analysis = analyze(&map, &Model::builtin(), &Config::default(), &Silent);
+/// let drawn = analysis.space.graph.to_ascii(|node| ['c', 'r', 'd'][analysis.labeling[node].index()]);
+/// assert_eq!(drawn.lines().nth(6), Some("#rrdddddrr#rrrddddd#rrrdddddrrr#rrdddddrr#"));
+/// assert_eq!(drawn.lines().nth(8), Some("#ccdddddccccccdddddccccdddddccccccdddddcc#"));
+/// ```
+///
+/// The middle of the building, as it was labeled:
+/// ```text
+/// #rrrrrrrrr#rrrrrrrr#rrrrrrrrrrr#rrrrrrrrr#
+/// #rrdddddrr#rrrddddd#rrrdddddrrr#rrdddddrr#
+/// ####ddd########ddd######ddd########ddd####
+/// #ccdddddccccccdddddccccdddddccccccdddddcc#
+/// #cccccccccccccccccccccccccccccccccccccccc#
+/// #cccccccccccccccccccccccccccccccccccccccc#
+/// #ccdddddccccccdddddccccdddddccccccdddddcc#
+/// ####ddd########ddd######ddd########ddd####
+/// ```
 pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &dyn Progress) -> Analysis {
     let Some(OnMap { map: drawn, outcomes }) = edits::apply_to_map(map, &config.edits) else {
         return analyze_as_drawn(map, model, config, progress);

@@ -65,6 +65,22 @@ pub struct Corrected {
 ///
 /// Correcting the result again changes nothing.
 ///
+/// # Examples
+/// ```
+/// use placegraph::grid::{FreeSpace, OccupancyGrid};
+/// use placegraph::labels::{Label, LabelSet};
+/// use placegraph::regions::{DiagonalSteps, Thresholds, connected, correct};
+///
+/// // A room of one cell, 0.25 m², in the middle of a corridor.
+/// let space = FreeSpace::of(&OccupancyGrid::from_ascii(0.5, "......\n......\n......"));
+/// let labels: Vec<Label> = (0..18).map(|node| Label(u8::from(node == 8))).collect();
+/// let found = connected(&space.graph, &labels, DiagonalSteps::default());
+/// let corrected = correct(&space, &found, &LabelSet::default(), &Thresholds::default());
+/// let draw = |labels: Vec<Label>| space.graph.to_ascii(|node| ['c', 'r', 'd'][labels[node].index()]);
+/// assert_eq!(draw(labels), "cccccc\nccrccc\ncccccc\n");
+/// assert_eq!(draw(corrected.regions.labeling()), "cccccc\ncccccc\ncccccc\n");
+/// ```
+///
 /// # Panics
 /// If `regions` do not belong to `space`, or a label is not of `label_set`.
 pub fn correct(

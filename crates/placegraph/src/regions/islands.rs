@@ -32,6 +32,22 @@ pub fn islands(space: &FreeSpace, regions: &RegionMap, min_m2: f64) -> Vec<Regio
 /// `regions` where every one of `islands` has the label of the nearest nodes of other regions that are none, by the larger
 /// coordinate; of several labels the one of most of them (ties: the lower label).
 ///
+/// # Examples
+/// ```
+/// use placegraph::grid::{FreeSpace, OccupancyGrid};
+/// use placegraph::labels::Label;
+/// use placegraph::regions::{DiagonalSteps, connected, islands, label_islands};
+///
+/// // One free cell in the wall to the right of a room, itself labeled corridor.
+/// let space = FreeSpace::of(&OccupancyGrid::from_ascii(0.25, "...##\n...#.\n...##"));
+/// let labels: Vec<Label> = space.graph.cells().iter().map(|cell| Label(u8::from(cell.x < 3))).collect();
+/// let regions = connected(&space.graph, &labels, DiagonalSteps::default());
+/// let found = islands(&space, &regions, 0.25);
+/// let labels = label_islands(&space.graph, regions, &found).labeling();
+/// let drawn = space.graph.to_ascii(|node| ['c', 'r'][labels[node].index()]);
+/// assert_eq!(drawn, "rrr##\nrrr#r\nrrr##\n");
+/// ```
+///
 /// Cost: for every cell of an island the square of cells around it that reaches so far.
 pub fn label_islands(graph: &CellGraph, mut regions: RegionMap, islands: &[RegionId]) -> RegionMap {
     let mut cells_of = vec![None; regions.regions.len()];

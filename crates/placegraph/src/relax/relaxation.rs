@@ -65,6 +65,28 @@ pub struct Relaxed {
 
 /// Relaxes `initial` over the 8-neighborhoods of `graph`.
 ///
+/// # Examples
+/// ```
+/// use placegraph::grid::{CellGraph, OccupancyGrid};
+/// use placegraph::labels::LabelField;
+/// use placegraph::relax::{Compatibility, RelaxConfig, relax};
+///
+/// let graph = CellGraph::new(&OccupancyGrid::from_ascii(0.05, "...\n...\n...").cells);
+/// // Eight cells of a room; the one in the middle looks a little more like a corridor.
+/// let row = |node: usize| if node == 4 { [0.6, 0.4] } else { [0.1, 0.9] };
+/// let field = LabelField::from_rows(2, (0..9).flat_map(row).collect());
+/// // Equal labels support each other, others do not; the wall, last, says nothing.
+/// let r = vec![vec![0.5, -0.5, 0.0], vec![-0.5, 0.5, 0.0], vec![0.0, 0.0, 0.0]];
+/// let relaxed = relax(&graph, &field, &Compatibility::from_rows(r)?, &RelaxConfig::default());
+/// let draw = |field: &LabelField| {
+///     let labels = field.most_likely();
+///     graph.to_ascii(|node| ['c', 'r'][labels[node].index()])
+/// };
+/// assert_eq!(draw(&field), "rrr\nrcr\nrrr\n");
+/// assert_eq!(draw(&relaxed.field), "rrr\nrrr\nrrr\n");
+/// # Ok::<(), placegraph::relax::CompatibilityError>(())
+/// ```
+///
 /// # Panics
 /// If the field is not over the graph's nodes or the compatibilities not over the field's labels.
 pub fn relax(

@@ -52,6 +52,24 @@ impl Default for SpaceConfig {
 
 /// `labeling` with all cells that are no doorway labeled anew; doorways stay.
 ///
+/// # Examples
+/// ```
+/// use placegraph::grid::{FreeSpace, OccupancyGrid};
+/// use placegraph::labels::{Label, LabelField, LabelSet};
+/// use placegraph::spaces::{SpaceConfig, label};
+///
+/// // A patch that looks like a corridor, in a room of 3 m by 1.5 m.
+/// let space = FreeSpace::of(&OccupancyGrid::from_ascii(0.5, "......\n......\n......"));
+/// let is_patch = |node: usize| node == 8 || node == 9;
+/// let row = |node: usize| if is_patch(node) { [0.8, 0.2, 0.0] } else { [0.2, 0.8, 0.0] };
+/// let field = LabelField::from_rows(3, (0..18).flat_map(row).collect());
+/// let by_cell = field.most_likely();
+/// let as_a_whole = label(&space, &field, &by_cell, &LabelSet::default(), &SpaceConfig::default());
+/// let draw = |labels: &[Label]| space.graph.to_ascii(|node| ['c', 'r', 'd'][labels[node].index()]);
+/// assert_eq!(draw(&by_cell), "rrrrrr\nrrccrr\nrrrrrr\n");
+/// assert_eq!(draw(&as_a_whole), "rrrrrr\nrrrrrr\nrrrrrr\n");
+/// ```
+///
 /// # Panics
 /// If `field` or `labeling` do not belong to `space`, or a label is not of `label_set`.
 pub fn label(

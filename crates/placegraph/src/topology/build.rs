@@ -20,6 +20,31 @@ use crate::regions::{Contact, RegionId, RegionMap, contacts, properties};
 ///
 /// `field` gives the probability of a place: the mean over its cells of the probability of its label.
 ///
+/// # Examples
+/// ```
+/// use placegraph::grid::{FreeSpace, Grid, OccupancyGrid};
+/// use placegraph::labels::{Label, LabelField, LabelSet};
+/// use placegraph::regions::{DiagonalSteps, connected};
+/// use placegraph::topology::build;
+///
+/// let drawing = "
+///     rrr#cccc
+///     rrrdcccc
+///     rrr#cccc
+/// ";
+/// let space = FreeSpace::of(&OccupancyGrid::from_ascii(0.5, &drawing.replace(['c', 'r', 'd'], ".")));
+/// let letters = Grid::from_ascii(drawing, |letter| letter);
+/// let label = |letter| Label("crd".find(letter).unwrap_or_default() as u8);
+/// let labels: Vec<Label> = space.graph.cells().iter().map(|&cell| label(letters[cell])).collect();
+/// let regions = connected(&space.graph, &labels, DiagonalSteps::default());
+/// let field = LabelField::from_rows(3, [0.2, 0.6, 0.2].repeat(labels.len()));
+/// let map = build(&space, &field, &regions, &LabelSet::default());
+/// let names: Vec<&str> = map.places.iter().map(|place| place.name.as_str()).collect();
+/// assert_eq!(names, ["room 1", "corridor 2", "doorway 3"]);
+/// let pairs: Vec<(u32, u32)> = map.connections.iter().map(|c| (c.a.0, c.b.0)).collect();
+/// assert_eq!(pairs, [(1, 3), (2, 3)]);
+/// ```
+///
 /// # Panics
 /// If `field` or `regions` do not belong to `space`, or a label is not of `label_set`.
 pub fn build(

@@ -8,3 +8,4 @@ mod dependency_order;
 mod exports_page;
 mod features_page;
 mod method_page;
+mod variables;
