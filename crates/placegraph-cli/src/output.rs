@@ -163,6 +163,18 @@ pub(crate) fn complain(message: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{message}");
 }
 
+/// `fields` as a line of comma-separated values (RFC 4180, with plain line ends).
+pub(crate) fn csv_row(fields: impl Iterator<Item = String>) -> String {
+    let escaped = |field: String| {
+        if field.contains(['"', ',', '\n', '\r']) {
+            format!("\"{}\"", field.replace('"', "\"\""))
+        } else {
+            field
+        }
+    };
+    fields.map(escaped).collect::<Vec<_>>().join(",") + "\n"
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -2,8 +2,9 @@
 
 use image::{ExtendedColorType, ImageEncoder, ImageError, codecs::png::PngEncoder};
 use placegraph::grid::{Grid, Occupancy};
+use serde::Serialize;
 
-use crate::Building;
+use crate::{Building, Record, Style};
 
 /// Why a building could not be turned into bytes.
 #[derive(Debug, thiserror::Error)]
@@ -17,12 +18,25 @@ pub enum FilesError {
         /// What the encoder says.
         source: ImageError,
     },
-    /// The graph could not be serialized.
-    #[error("could not serialize graph.json: {0}")]
-    Graph(#[from] serde_json::Error),
+    /// The graph or the objects could not be serialized.
+    #[error("could not serialize graph.json or objects.json: {0}")]
+    Json(#[from] serde_json::Error),
 }
 
-/// `map.yaml`, `map.png`, `labels.png`, `rooms.png` and `graph.json`, each with its bytes.
+/// What `objects.json` holds.
+#[derive(Serialize)]
+struct Objects<'a> {
+    note: &'static str,
+    source: &'a str,
+    license: Option<&'a str>,
+    style: Option<&'static str>,
+    mapping: &'static str,
+    resolution_m: f64,
+    #[serde(flatten)]
+    record: &'a Record,
+}
+
+/// `map.yaml`, `map.png`, `labels.png`, `rooms.png`, `graph.json` and `objects.json`, each with its bytes.
 ///
 /// Pictures have the map's top in their first row; `rooms.png` has 16 bits a pixel if there are more than 255
 /// rooms, else 8.
@@ -52,12 +66,24 @@ pub fn files(building: &Building) -> Result<Vec<(&'static str, Vec<u8>)>, FilesE
     };
     let mut graph = serde_json::to_vec_pretty(&building.graph)?;
     graph.push(b'\n');
+    let objects = Objects {
+        note: "lines in pixels, y down; the center of the top left pixel is at (0, 0)",
+        source: &building.source,
+        license: building.license.as_deref(),
+        style: building.style.map(Style::name),
+        mapping: building.mapping.name(),
+        resolution_m: building.map.frame.resolution_m(),
+        record: &building.record,
+    };
+    let mut objects = serde_json::to_vec_pretty(&objects)?;
+    objects.push(b'\n');
     Ok(vec![
         ("map.yaml", yaml.into_bytes()),
         ("map.png", png("map.png", &gray, ExtendedColorType::L8, |value| vec![*value])?),
         ("labels.png", png("labels.png", &building.labels, ExtendedColorType::L8, |value| vec![*value])?),
         ("rooms.png", rooms),
         ("graph.json", graph),
+        ("objects.json", objects),
     ])
 }
 

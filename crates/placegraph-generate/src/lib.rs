@@ -10,15 +10,18 @@
 mod dice;
 mod drawing;
 mod files;
+mod floor;
 mod furnish;
 mod laser;
 mod layout;
 mod mapper;
 mod plan;
 mod ray;
+mod record;
 mod scene;
 mod shape;
 mod style;
+mod survey;
 mod tour;
 mod truth;
 mod warp;
@@ -29,14 +32,18 @@ use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, Grid, MapFrame, Occupancy, OccupancyGrid};
 
 use crate::dice::Dice;
+use crate::furnish::Care;
 use crate::scene::Scene;
 use crate::truth::Truth;
 use crate::warp::Warp;
 
 pub use files::{FilesError, files};
-pub use plan::{Opening, OpeningKind, Plan, Space, Tile, Usage};
+pub use floor::Floor;
+pub use plan::{Opening, OpeningKind, Plan, STRAIGHT, Space, SpaceClass, Tile, Usage};
+pub use record::{OpeningRecord, Record, SpaceRecord};
 pub use shape::{Axis, Rect, Solid};
 pub use style::{NameError, Style};
+pub use survey::{Survey, SurveyError, read_flat, read_plan_xml};
 pub use truth::{AMBIGUOUS, CORRIDOR, DOORWAY, Edge, Graph, Node, ROOM};
 
 /// How the map of a building comes about.
@@ -87,10 +94,14 @@ pub struct Options {
 /// A building, its map and the truth of the map.
 #[derive(Clone, Debug)]
 pub struct Building {
-    /// The style, never [`Style::Mixed`].
-    pub style: Style,
+    /// The style, never [`Style::Mixed`]; `None` of a surveyed building.
+    pub style: Option<Style>,
     /// How the map came about, never [`Mapping::Mixed`].
     pub mapping: Mapping,
+    /// Where the floor plan comes from.
+    pub source: String,
+    /// What one may do with it, if that is known.
+    pub license: Option<String>,
     /// The map.
     pub map: OccupancyGrid,
     /// One of [`CORRIDOR`], [`ROOM`], [`DOORWAY`], [`AMBIGUOUS`] in free cells, 0 in all others.
@@ -99,6 +110,8 @@ pub struct Building {
     pub rooms: Grid<u16>,
     /// Mapped rooms and the openings between them.
     pub graph: Graph,
+    /// All openings and spaces as objects.
+    pub record: Record,
     /// The floor plan, straight and in its own frame.
     pub plan: Plan,
 }
@@ -135,10 +148,48 @@ pub fn generate(style: Style, seed: u64, index: u64, options: &Options) -> Build
         style => style,
     };
     let mut plan = layout::lay_out(style, &mut dice);
-    furnish::furnish(&mut plan, &mut dice);
+    let care = if style.is_plain() { Care::PLAIN } else { Care::draw(&mut dice) };
+    furnish::furnish(&mut plan, care, &mut dice);
     let warp = Warp::draw(&plan.bounds(), &mut dice);
+    let source = format!("placegraph generate, style {}, seed {seed}, building {index}", style.name());
+    let mut building = mapped(plan, &warp, stream(1), options);
+    (building.style, building.source) = (Some(style), source);
+    building.license = Some(env!("CARGO_PKG_LICENSE").to_owned());
+    building
+}
 
-    let mut dice = stream(1);
+/// Building `index` of the series `seed` that a robot maps, or an architect draws, of the surveyed building called `name`.
+///
+/// Thickness of the walls, widths and leaves of doors, furniture, warp and mapping are drawn; what `name`, `seed`, `index`
+/// and `options` are decides them.
+///
+/// # Errors
+/// If fewer than two spaces are connected.
+///
+/// # Panics
+/// If the resolution is not within 0.02 to 0.2 meters.
+pub fn generate_surveyed(
+    survey: &Survey,
+    name: &str,
+    seed: u64,
+    index: u64,
+    options: &Options,
+) -> Result<Building, SurveyError> {
+    // 64-bit FNV-1a; numbers of styles are small.
+    let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    let stream = |purpose| Dice::new(seed, hash, index, purpose);
+    let mut dice = stream(0);
+    let mut plan = survey::lay_out(survey, &mut dice)?;
+    let care = Care::draw(&mut dice);
+    furnish::furnish(&mut plan, care, &mut dice);
+    let warp = Warp::draw(&plan.bounds(), &mut dice);
+    Ok(Building { source: name.to_owned(), ..mapped(plan, &warp, stream(1), options) })
+}
+
+/// The building as the options say that it is mapped.
+fn mapped(mut plan: Plan, warp: &Warp, mut dice: Dice, options: &Options) -> Building {
     let mapping = match options.mapping {
         Mapping::Mixed => {
             dice.weighted(&[(Mapping::Slam, 6.0), (Mapping::Clean, 1.0), (Mapping::Furnished, 1.0)])
@@ -159,12 +210,14 @@ pub fn generate(style: Style, seed: u64, index: u64, options: &Options) -> Build
     let mut attempt = 0;
     loop {
         let fine_m = cell_m / f64::from(per_cell);
-        let (scene, cells) = map_of(&plan, &warp, mapping, fine_m, per_cell, &mut dice);
+        let (scene, cells) = map_of(&plan, warp, mapping, fine_m, per_cell, &mut dice);
         let map = cropped(&cells, &scene, cell_m, &mut dice);
-        let Truth { labels, rooms, graph } = truth::look_up(&plan, &warp, &scene, &map.cells, &map.frame);
+        let Truth { labels, rooms, graph } = truth::look_up(&plan, warp, &scene, &map.cells, &map.frame);
         attempt += 1;
         if attempt == ATTEMPTS || is_worth_keeping(&plan, &labels, &graph, cell_m) {
-            return Building { style, mapping, map, labels, rooms, graph, plan };
+            let record = record::of(&plan, warp, &map, &rooms);
+            let (style, source, license) = (None, String::new(), None);
+            return Building { style, mapping, source, license, map, labels, rooms, graph, record, plan };
         }
         open_all(&mut plan);
     }
@@ -196,8 +249,7 @@ fn map_of(
 /// Whether the robot came far enough: it saw a third of the floor, and a few doors.
 fn is_worth_keeping(plan: &Plan, labels: &Grid<u8>, graph: &Graph, cell_m: f64) -> bool {
     let known = labels.values().iter().filter(|&&label| label == CORRIDOR || label == ROOM).count();
-    let floor_m2: f64 = plan.tiles.iter().map(|tile| tile.inner.area()).sum();
-    graph.edges.len() >= 2 && known as f64 * cell_m * cell_m > 0.35 * floor_m2
+    graph.edges.len() >= 2 && known as f64 * cell_m * cell_m > 0.35 * plan.floor_m2()
 }
 
 /// Opens all closed doors.

@@ -1,6 +1,9 @@
 //! The floor plan: what there is, before anybody maps it. Everything is in meters of the plan frame.
 
-use crate::shape::{Axis, Rect, Solid, across};
+use placegraph::geom::{Point2, Vec2};
+
+use crate::floor::Floor;
+use crate::shape::{Axis, Rect, Solid, Stand, across};
 
 /// What a space is used for; decides its furniture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,12 +40,38 @@ pub enum Usage {
     Hall,
     /// Racks with aisles.
     Warehouse,
+    /// A lobby or an open area that people call neither corridor nor room.
+    Lobby,
+    /// Stairs and elevators.
+    Stairs,
+}
+
+/// What a space is for the labels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SpaceClass {
+    /// One moves on.
+    Corridor,
+    /// One stays.
+    Room,
+    /// Neither, or it is not known which.
+    Ambiguous,
+}
+
+impl SpaceClass {
+    /// Name for people and files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Corridor => "corridor",
+            Self::Room => "room",
+            Self::Ambiguous => "ambiguous",
+        }
+    }
 }
 
 /// A room or a corridor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Space {
-    /// What it is used for; a corridor is of class corridor, everything else a room.
+    /// What it is used for.
     pub usage: Usage,
 }
 
@@ -50,6 +79,15 @@ impl Space {
     /// Whether the space is of class corridor.
     pub fn is_corridor(&self) -> bool {
         self.usage == Usage::Corridor
+    }
+
+    /// What it is for the labels.
+    pub fn class(&self) -> SpaceClass {
+        match self.usage {
+            Usage::Corridor => SpaceClass::Corridor,
+            Usage::Lobby | Usage::Stairs => SpaceClass::Ambiguous,
+            _ => SpaceClass::Room,
+        }
     }
 }
 
@@ -80,10 +118,13 @@ pub struct Opening {
     pub spaces: [usize; 2],
     /// What it is.
     pub kind: OpeningKind,
-    /// Direction of the wall.
+    /// Direction of the wall in the opening's frame.
     pub wall: Axis,
-    /// From jamb to jamb and from wall face to wall face.
+    /// From jamb to jamb and from wall face to wall face, in the opening's frame.
     pub gap: Rect,
+    /// Direction of the x axis of the opening's frame, which is turned about the middle of `gap`: [`STRAIGHT`] where
+    /// walls run along the axes of the plan.
+    pub turn: Vec2,
     /// The door's leaves where they stand.
     pub leaves: Vec<Solid>,
     /// A closed door keeps its leaf in the gap; nobody passes.
@@ -105,15 +146,72 @@ impl Opening {
         let (from, to) = self.gap.span(across(self.wall));
         Rect::along(self.wall, self.gap.span(self.wall), (from - Self::REACH_M, to + Self::REACH_M))
     }
+
+    /// Extent of the gap through the wall, in meters.
+    pub fn depth_m(&self) -> f64 {
+        let (from, to) = self.gap.span(across(self.wall));
+        to - from
+    }
+
+    /// The middle of the gap's left and of its right end, along the wall, in the plan.
+    pub fn line(&self) -> [Point2; 2] {
+        let ((lo, hi), (from, to)) = (self.gap.span(self.wall), self.gap.span(across(self.wall)));
+        let middle = from.midpoint(to);
+        [lo, hi].map(|at| match self.wall {
+            Axis::X => self.in_plan(Point2::new(at, middle)),
+            Axis::Y => self.in_plan(Point2::new(middle, at)),
+        })
+    }
+
+    /// Takes a point of the opening's frame to the plan.
+    pub(crate) fn in_plan(&self, point: Point2) -> Point2 {
+        if self.turn == STRAIGHT {
+            return point;
+        }
+        let center = self.gap.center();
+        let offset = point - center;
+        Stand { at: center, forward: self.turn }.point(offset.x, offset.y)
+    }
+
+    /// Takes a point of the plan to the opening's frame.
+    pub(crate) fn in_frame(&self, point: Point2) -> Point2 {
+        if self.turn == STRAIGHT {
+            return point;
+        }
+        let center = self.gap.center();
+        let offset = point - center;
+        center + Vec2::new(offset.dot(self.turn), self.turn.cross(offset))
+    }
+
+    /// A solid of the opening's frame, in the plan.
+    pub(crate) fn put_in_plan(&self, solid: Solid) -> Solid {
+        match solid {
+            Solid::Convex(corners) => {
+                Solid::Convex(corners.into_iter().map(|corner| self.in_plan(corner)).collect())
+            }
+            Solid::Disc { center, radius_m } => Solid::Disc { center: self.in_plan(center), radius_m },
+        }
+    }
+
+    /// A rectangle of the opening's frame, in the plan.
+    pub(crate) fn solid(&self, rect: Rect) -> Solid {
+        self.put_in_plan(Solid::rect(rect))
+    }
 }
+
+/// The turn of an opening in a wall that runs along an axis of the plan.
+pub const STRAIGHT: Vec2 = Vec2::new(1.0, 0.0);
 
 /// A floor plan.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Plan {
     /// Rooms and corridors.
     pub spaces: Vec<Space>,
-    /// The parts of the spaces; walls stand where two tiles of different spaces meet.
+    /// The parts of the spaces; walls stand where two tiles of different spaces meet. Of a surveyed building, the
+    /// rectangles that are furnished.
     pub tiles: Vec<Tile>,
+    /// Spaces and walls of a surveyed building; else both follow from `tiles`.
+    pub floor: Option<Floor>,
     /// Thickness of the walls to the outside.
     pub outer_wall_m: f64,
     /// Doors and passages.
@@ -140,10 +238,21 @@ pub(crate) struct Contact {
 impl Plan {
     /// The rectangle around all tiles and outer walls.
     pub fn bounds(&self) -> Rect {
+        if let Some(floor) = &self.floor {
+            return floor.bounds();
+        }
         let all = self.tiles.iter().map(|tile| tile.outer).reduce(|a, b| {
             Rect::new(a.min.x.min(b.min.x), a.min.y.min(b.min.y), a.max.x.max(b.max.x), a.max.y.max(b.max.y))
         });
         all.unwrap_or(Rect::new(0.0, 0.0, 1.0, 1.0)).grown(self.outer_wall_m)
+    }
+
+    /// Area of all spaces that are not ambiguous, in square meters.
+    pub(crate) fn floor_m2(&self) -> f64 {
+        match &self.floor {
+            Some(floor) => floor.area_m2(|space| self.spaces[space].class() != SpaceClass::Ambiguous),
+            None => self.tiles.iter().map(|tile| tile.inner.area()).sum(),
+        }
     }
 
     /// All stretches of wall (or of open floor, within one space) between two tiles, in the order of tiles.
@@ -231,11 +340,31 @@ mod tests {
             kind: OpeningKind::Doorway,
             wall: Axis::Y,
             gap: Rect::new(5.0, 1.0, 5.2, 1.9),
+            turn: STRAIGHT,
             leaves: Vec::new(),
             closed: false,
         };
         assert!((opening.width_m() - 0.9).abs() < 1e-12);
         assert_eq!(opening.strip(), Rect::new(4.75, 1.0, 5.45, 1.9));
+    }
+
+    #[test]
+    fn a_turned_doorway_lies_along_its_wall() {
+        let opening = Opening {
+            spaces: [0, 1],
+            kind: OpeningKind::Doorway,
+            wall: Axis::X,
+            gap: Rect::new(1.0, 2.0, 3.0, 2.2),
+            turn: Vec2::new(0.6, 0.8),
+            leaves: Vec::new(),
+            closed: false,
+        };
+        // The middle (2, 2.1), and a meter from it along (0.6, 0.8).
+        let [a, b] = opening.line();
+        assert!(a.distance(Point2::new(1.4, 1.3)) < 1e-12 && b.distance(Point2::new(2.6, 2.9)) < 1e-12);
+        assert!(opening.in_frame(b).distance(Point2::new(3.0, 2.1)) < 1e-12);
+        let gap = opening.solid(opening.gap);
+        assert!(gap.contains(Point2::new(2.54, 2.82)) && !gap.contains(Point2::new(2.9, 2.1)));
     }
 
     #[test]

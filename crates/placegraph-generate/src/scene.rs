@@ -4,6 +4,7 @@ use placegraph::geom::Point2;
 use placegraph::grid::{Cell, Grid};
 
 use crate::dice::Dice;
+use crate::floor::{Floor, Ground};
 use crate::plan::Plan;
 use crate::shape::{Rect, Solid, heading};
 use crate::warp::Warp;
@@ -58,6 +59,9 @@ impl Scene {
     }
 
     fn paint_walls(&mut self, plan: &Plan, warp: &Warp) {
+        if let Some(floor) = &plan.floor {
+            return self.paint_floor(floor, warp);
+        }
         for tile in &plan.tiles {
             let around = Solid::rect(tile.outer.grown(plan.outer_wall_m));
             self.fill(&around, warp, |scene, index| scene.surface.values_mut()[index] = Surface::Wall);
@@ -80,12 +84,23 @@ impl Scene {
         }
     }
 
+    /// Looks up every fine cell in the floor of a surveyed building.
+    fn paint_floor(&mut self, floor: &Floor, warp: &Warp) {
+        for index in 0..self.surface.values().len() {
+            match floor.at(warp.plan_from_world(self.center(self.surface.cell(index)))) {
+                Ground::Outside => {}
+                Ground::Wall => self.surface.values_mut()[index] = Surface::Wall,
+                Ground::Space(space) => self.space.values_mut()[index] = space as u16 + 1,
+            }
+        }
+    }
+
     fn paint_openings(&mut self, plan: &Plan, warp: &Warp) {
         for (number, opening) in plan.openings.iter().enumerate() {
-            self.fill(&Solid::rect(opening.gap.grown(1e-3)), warp, |scene, index| {
+            self.fill(&opening.solid(opening.gap.grown(1e-3)), warp, |scene, index| {
                 scene.surface.values_mut()[index] = Surface::Open;
             });
-            self.fill(&Solid::rect(opening.strip()), warp, |scene, index| {
+            self.fill(&opening.solid(opening.strip()), warp, |scene, index| {
                 scene.opening.values_mut()[index] = number as u16 + 1;
             });
         }

@@ -19,14 +19,35 @@ pub enum Style {
     School,
     /// A hall with racks, and offices beside it.
     Warehouse,
-    /// Any of the others.
+    /// Any of the others above.
     Mixed,
+    /// Schools and institutes with lobbies that lie open, wide and deep doors, stubs of corridors, frames without a door.
+    Campus,
+    /// Desks on an open floor around a core.
+    OpenOffice,
+    /// Flats with narrow hallways, closets, doors flush with the walls beside them and leaves in the way.
+    Flat,
 }
 
 impl Style {
     /// All styles, in the order of their numbers.
-    pub const ALL: [Self; 7] =
-        [Self::Office, Self::Home, Self::Hospital, Self::Hotel, Self::School, Self::Warehouse, Self::Mixed];
+    pub const ALL: [Self; 10] = [
+        Self::Office,
+        Self::Home,
+        Self::Hospital,
+        Self::Hotel,
+        Self::School,
+        Self::Warehouse,
+        Self::Mixed,
+        Self::Campus,
+        Self::OpenOffice,
+        Self::Flat,
+    ];
+
+    /// Whether doors are regular and kept clear.
+    pub(crate) fn is_plain(self) -> bool {
+        Recipe::of(self).extras.is_none()
+    }
 
     /// Name for people and files.
     pub const fn name(self) -> &'static str {
@@ -38,6 +59,9 @@ impl Style {
             Self::School => "school",
             Self::Warehouse => "warehouse",
             Self::Mixed => "mixed",
+            Self::Campus => "campus",
+            Self::OpenOffice => "open-office",
+            Self::Flat => "flat",
         }
     }
 }
@@ -90,8 +114,33 @@ pub(crate) struct Recipe {
     pub(crate) halls: f64,
     /// Share of blocks with nothing to enter: courtyards, shafts.
     pub(crate) voids: f64,
+    /// What makes a building irregular.
+    pub(crate) extras: Option<Extras>,
     /// What rooms are used for, with the range of their widths and how common they are.
     pub(crate) rooms: &'static [(Usage, (f64, f64), f64)],
+}
+
+/// Shares of what the plain styles do not have.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extras {
+    /// Doors with a jamb in line with a wall beside them.
+    pub(crate) flush: f64,
+    /// Doors with two leaves, 1.6 to 2.6 m wide.
+    pub(crate) wide: f64,
+    /// Buildings with walls of 0.4 to 0.9 m along corridors.
+    pub(crate) deep_walls: f64,
+    /// Rooms beside which a stub of the corridor leads inward.
+    pub(crate) stubs: f64,
+    /// Rooms with a closet beside their entrance.
+    pub(crate) closets: f64,
+    /// Large spaces that lie open to their neighbor along the whole wall.
+    pub(crate) open_fronts: f64,
+    /// Stretches of corridor that taper.
+    pub(crate) tapers: f64,
+    /// Stretches of corridor with a frame and no door.
+    pub(crate) frames: f64,
+    /// Doors that stand ajar.
+    pub(crate) ajar: f64,
 }
 
 const OFFICE_ROOMS: &[(Usage, (f64, f64), f64)] = &[
@@ -134,6 +183,20 @@ const DEPOT_ROOMS: &[(Usage, (f64, f64), f64)] = &[
     (Usage::Kitchen, (3.0, 4.5), 0.8),
     (Usage::Storage, (2.0, 4.0), 0.8),
 ];
+const CORE_ROOMS: &[(Usage, (f64, f64), f64)] = &[
+    (Usage::Office, (2.4, 4.5), 3.0),
+    (Usage::Meeting, (3.5, 7.0), 2.0),
+    (Usage::Toilet, (2.4, 4.5), 1.2),
+    (Usage::Storage, (1.8, 3.5), 1.2),
+    (Usage::Kitchen, (2.4, 4.5), 0.8),
+];
+const FLAT_ROOMS: &[(Usage, (f64, f64), f64)] = &[
+    (Usage::Bedroom, (2.4, 4.0), 4.0),
+    (Usage::Bath, (1.4, 2.4), 1.5),
+    (Usage::Kitchen, (1.8, 3.4), 1.2),
+    (Usage::Living, (3.5, 5.5), 1.0),
+    (Usage::Storage, (1.1, 1.8), 0.8),
+];
 const HOME_ROOMS: &[(Usage, (f64, f64), f64)] = &[
     (Usage::Bedroom, (2.5, 4.5), 4.0),
     (Usage::Bath, (1.6, 2.6), 1.5),
@@ -156,6 +219,7 @@ impl Recipe {
             baths: 0.04,
             halls: 0.14,
             voids: 0.07,
+            extras: None,
             rooms: OFFICE_ROOMS,
         };
         match style {
@@ -171,6 +235,7 @@ impl Recipe {
                 baths: 0.05,
                 halls: 0.0,
                 voids: 0.06,
+                extras: None,
                 rooms: HOME_ROOMS,
             },
             Style::Hospital => Self {
@@ -214,6 +279,78 @@ impl Recipe {
                 blocks: [1, 2],
                 rooms: DEPOT_ROOMS,
                 ..office
+            },
+            Style::Campus | Style::OpenOffice | Style::Flat => Self::irregular(style, &office),
+        }
+    }
+
+    /// The dimensions of a style with extras; any other style stands for a flat here.
+    fn irregular(style: Style, office: &Self) -> Self {
+        match style {
+            Style::Campus => Self {
+                corridor: (1.8, 4.2),
+                depth: (5.0, 9.0),
+                wing: (16.0, 36.0),
+                blocks: [2, 3],
+                door: (0.8, 1.15),
+                double_doors: 0.15,
+                inner_doors: 0.2,
+                halls: 0.3,
+                extras: Some(Extras {
+                    flush: 0.35,
+                    wide: 0.12,
+                    deep_walls: 0.5,
+                    stubs: 0.12,
+                    closets: 0.05,
+                    open_fronts: 0.5,
+                    tapers: 0.2,
+                    frames: 0.3,
+                    ajar: 0.3,
+                }),
+                rooms: SCHOOL_ROOMS,
+                ..office.clone()
+            },
+            Style::OpenOffice => Self {
+                depth: (3.0, 5.0),
+                inner_doors: 0.2,
+                baths: 0.0,
+                extras: Some(Extras {
+                    flush: 0.3,
+                    wide: 0.08,
+                    deep_walls: 0.2,
+                    stubs: 0.0,
+                    closets: 0.1,
+                    open_fronts: 0.1,
+                    tapers: 0.1,
+                    frames: 0.1,
+                    ajar: 0.2,
+                }),
+                rooms: CORE_ROOMS,
+                ..office.clone()
+            },
+            _ => Self {
+                corridor: (0.95, 1.5),
+                depth: (2.4, 4.4),
+                wing: (5.0, 9.0),
+                blocks: [2, 2],
+                door: (0.68, 0.9),
+                double_doors: 0.06,
+                inner_doors: 0.15,
+                baths: 0.0,
+                halls: 0.0,
+                voids: 0.05,
+                extras: Some(Extras {
+                    flush: 0.5,
+                    wide: 0.06,
+                    deep_walls: 0.1,
+                    stubs: 0.15,
+                    closets: 0.25,
+                    open_fronts: 0.15,
+                    tapers: 0.05,
+                    frames: 0.05,
+                    ajar: 0.4,
+                }),
+                rooms: FLAT_ROOMS,
             },
         }
     }

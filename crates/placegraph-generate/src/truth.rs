@@ -4,7 +4,7 @@ use placegraph::geom::Point2;
 use placegraph::grid::{Cell, Grid, MapFrame, Occupancy};
 use serde::Serialize;
 
-use crate::plan::{OpeningKind, Plan};
+use crate::plan::{OpeningKind, Plan, SpaceClass};
 use crate::scene::Scene;
 use crate::shape::across;
 use crate::warp::Warp;
@@ -32,7 +32,7 @@ pub struct Node {
     pub cx: f64,
     /// Centroid, in pixels from the top.
     pub cy: f64,
-    /// `corridor` or `room`.
+    /// `corridor` or `room`; `ambiguous` in surveyed buildings.
     pub kind: &'static str,
 }
 
@@ -96,7 +96,7 @@ fn label_at(plan: &Plan, warp: &Warp, scene: &Scene, point: Point2, cell_m: f64)
     let opening = scene.cell_at(point).map_or(0, |cell| scene.opening[cell]);
     if opening > 0 && !plan.openings[opening as usize - 1].closed {
         let opening = &plan.openings[opening as usize - 1];
-        let inside = warp.plan_from_world(point);
+        let inside = opening.in_frame(warp.plan_from_world(point));
         let across_wall = match across(opening.wall) {
             crate::shape::Axis::X => inside.x,
             crate::shape::Axis::Y => inside.y,
@@ -113,8 +113,11 @@ fn label_at(plan: &Plan, warp: &Warp, scene: &Scene, point: Point2, cell_m: f64)
     }
     match nearest_space(scene, point, NEAREST_CELLS * cell_m) {
         0 => (AMBIGUOUS, 0),
-        space if plan.spaces[space as usize - 1].is_corridor() => (CORRIDOR, space),
-        space => (ROOM, space),
+        space => match plan.spaces[space as usize - 1].class() {
+            SpaceClass::Corridor => (CORRIDOR, space),
+            SpaceClass::Room => (ROOM, space),
+            SpaceClass::Ambiguous => (AMBIGUOUS, space),
+        },
     }
 }
 
@@ -151,7 +154,7 @@ fn graph_of(plan: &Plan, warp: &Warp, rooms: &Grid<u16>, frame: &MapFrame) -> Gr
         area_m2: round(n as f64 * frame.cell_area_m2(), 100.0),
         cx: round(x as f64 / n as f64, 10.0),
         cy: round(y as f64 / n as f64, 10.0),
-        kind: if plan.spaces[id - 1].is_corridor() { "corridor" } else { "room" },
+        kind: plan.spaces[id - 1].class().name(),
     });
     let mapped = |space: usize| sums[space + 1].0 > 0;
     let edges =

@@ -35,7 +35,7 @@ pub(crate) enum Command {
     Info(InfoArgs),
     /// Train a model from labeled maps
     Train(TrainArgs),
-    /// Compare a label image with the truth
+    /// Compare label images with the truth
     Evaluate(EvaluateArgs),
     /// Simulate one scan and show its features
     Scan(ScanArgs),
@@ -225,12 +225,21 @@ pub(crate) struct TrainArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct EvaluateArgs {
-    /// Label image to judge
+    /// Label image to judge, or a folder with a folder per map, as `map` writes it
     #[arg(value_name = "PREDICTION")]
     pub(crate) prediction: PathBuf,
-    /// The truth: 0 none, k class k, 255 ignore
+    /// The truth: 0 none, k class k, 255 ignore; or a folder with a folder per map
     #[arg(value_name = "LABELS")]
     pub(crate) labels: PathBuf,
+    /// Meters per pixel: doorways are judged as objects too [default: what a map.yaml beside the truth says, of folders]
+    #[arg(long, value_name = "METERS")]
+    pub(crate) resolution: Option<f64>,
+    /// Name of the truth in the folder of each map
+    #[arg(long, value_name = "NAME", default_value = "labels.png")]
+    pub(crate) truth: PathBuf,
+    /// Also write the table of the maps as comma-separated values, of folders
+    #[arg(long, value_name = "FILE")]
+    pub(crate) csv: Option<PathBuf>,
     /// Judge only these pixels, y down, upper bounds exclusive
     #[arg(long, value_name = "X0,Y0,X1,Y1")]
     pub(crate) crop: Option<CropArg>,
@@ -289,13 +298,19 @@ pub(crate) struct GenerateArgs {
     /// Kind of building
     #[arg(long, value_enum, default_value_t = StyleArg::Mixed)]
     pub(crate) style: StyleArg,
-    /// Number of buildings
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub(crate) count: u64,
+    /// Map surveyed buildings instead of drawing some: floor plans (XML) or flats (JSON, a line each); docs/generated-buildings.md
+    #[arg(long, value_name = "FILE", conflicts_with = "style")]
+    pub(crate) plan: Vec<PathBuf>,
+    /// License of the plans, for objects.json
+    #[arg(long, value_name = "LICENSE", requires = "plan")]
+    pub(crate) license: Option<String>,
+    /// Number of buildings [default: 1, or all plans once]
+    #[arg(long, value_name = "N")]
+    pub(crate) count: Option<u64>,
     /// Same seed, same buildings
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub(crate) seed: u64,
-    /// Index of the first building
+    /// Index of the first building; plans are taken in turn
     #[arg(long, value_name = "I", default_value_t = 0)]
     pub(crate) first: u64,
     /// How the maps come about
@@ -317,8 +332,14 @@ pub(crate) enum StyleArg {
     Hotel,
     School,
     Warehouse,
-    /// Any of them
+    /// Any of the six above
     Mixed,
+    /// Lobbies that lie open, wide and deep doors, stubs of corridors
+    Campus,
+    /// Desks on an open floor around a core
+    OpenOffice,
+    /// Narrow hallways, closets, leaves and furniture in the way
+    Flat,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -2,10 +2,10 @@
 
 use anyhow::{Context, Result, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar};
-use placegraph_generate::{Mapping, Options, Style, files, generate};
+use placegraph_generate::{Building, Mapping, Options, Style, files, generate, generate_surveyed};
 use rayon::prelude::*;
 
-use super::Outcome;
+use super::{Outcome, plans};
 use crate::args::{GenerateArgs, MappingArg, StyleArg};
 use crate::output::{OutputSet, complain};
 
@@ -17,21 +17,51 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<Outcome> {
             "expected a resolution of 0.02 to 0.2, found {resolution_m}"
         );
     }
-    let (style, options) =
-        (style(args.style), Options { mapping: mapping(args.mapping), resolution_m: args.resolution });
-    let last = args.first.checked_add(args.count).context("expected an index that fits in 64 bits")?;
-    let bar = ProgressBar::new(args.count);
-    (args.first..last).into_par_iter().progress_with(bar).try_for_each(|index| {
-        let building = generate(style, args.seed, index, &options);
-        let folder = args.out.join(format!("{}_{}_{index:03}", style.name(), args.seed));
+    let options = Options { mapping: mapping(args.mapping), resolution_m: args.resolution };
+    if args.plan.is_empty() {
+        let style = style(args.style);
+        return write_all(args, args.count.unwrap_or(1), |index| {
+            let name = format!("{}_{}_{index:03}", style.name(), args.seed);
+            Ok((name, generate(style, args.seed, index, &options)))
+        });
+    }
+    let plans = plans::read(&args.plan)?;
+    write_all(args, args.count.unwrap_or(plans.len() as u64), |index| {
+        let plan = &plans[(index % plans.len() as u64) as usize];
+        let round = index / plans.len() as u64;
+        let building = generate_surveyed(&plan.survey, &plan.name, args.seed, round, &options);
+        let mut building = building.with_context(|| format!("plan {}", plan.name))?;
+        building.license.clone_from(&args.license);
+        Ok((format!("{}_{}_{round:03}", plan.name, args.seed), building))
+    })
+}
+
+/// Makes buildings `first` to `first + count` and writes each into the folder of its name. One that cannot be made does not stop
+/// the others.
+fn write_all(
+    args: &GenerateArgs,
+    count: u64,
+    make: impl Fn(u64) -> Result<(String, Building)> + Sync,
+) -> Result<Outcome> {
+    let last = args.first.checked_add(count).context("expected an index that fits in 64 bits")?;
+    let bar = ProgressBar::new(count);
+    let failed = (args.first..last).into_par_iter().progress_with(bar).map(|index| {
+        let (name, building) = match make(index) {
+            Ok(made) => made,
+            Err(error) => {
+                complain(&format!("error: {error:#}"));
+                return Ok(1);
+            }
+        };
         let mut set = OutputSet::default();
         for (name, bytes) in files(&building)? {
             set.add(name, bytes);
         }
-        set.commit(&folder).map(drop)
-    })?;
-    complain(&format!("{} buildings in {}", args.count, args.out.display()));
-    Ok(Outcome::Done)
+        set.commit(&args.out.join(name)).map(|_| 0)
+    });
+    let n_failed = failed.try_reduce(|| 0, |a, b| Ok::<u64, anyhow::Error>(a + b))?;
+    complain(&format!("{} buildings in {}", count - n_failed, args.out.display()));
+    Ok(if n_failed == 0 { Outcome::Done } else { Outcome::CheckFailed })
 }
 
 fn style(style: StyleArg) -> Style {
@@ -43,6 +73,9 @@ fn style(style: StyleArg) -> Style {
         StyleArg::School => Style::School,
         StyleArg::Warehouse => Style::Warehouse,
         StyleArg::Mixed => Style::Mixed,
+        StyleArg::Campus => Style::Campus,
+        StyleArg::OpenOffice => Style::OpenOffice,
+        StyleArg::Flat => Style::Flat,
     }
 }
 

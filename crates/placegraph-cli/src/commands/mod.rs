@@ -9,6 +9,7 @@ pub(crate) mod info;
 pub(crate) mod list;
 pub(crate) mod locate;
 pub(crate) mod map;
+mod plans;
 pub(crate) mod route;
 pub(crate) mod scan;
 pub(crate) mod shell;

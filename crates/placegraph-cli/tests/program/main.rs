@@ -7,11 +7,13 @@ mod batch;
 mod commands;
 mod dependencies;
 mod edits;
+mod evaluate;
 mod exports;
 mod extremes;
 #[cfg(unix)]
 mod faults;
 mod names_last;
+mod plans;
 mod running;
 #[cfg(target_os = "linux")]
 mod soak;

@@ -9,16 +9,35 @@ use crate::plan::{Plan, Usage};
 use crate::shape::{Rect, Solid, Stand};
 use pieces::Piece;
 
+/// How carefully a building is furnished.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Care {
+    /// Floor that stays clear around the doorways as they are labeled.
+    pub(crate) door_clearance_m: f64,
+    /// Share of rooms that stay empty.
+    pub(crate) empty: f64,
+}
+
+impl Care {
+    /// Doors are kept clear, few rooms are empty.
+    pub(crate) const PLAIN: Self = Self { door_clearance_m: 0.45, empty: 0.06 };
+
+    /// Furniture may stand before doors.
+    pub(crate) fn draw(dice: &mut Dice) -> Self {
+        Self { door_clearance_m: dice.pick(&[0.45, 0.45, 0.15, 0.0]), empty: dice.pick(&[0.06, 0.2, 0.5]) }
+    }
+}
+
 /// Fills all rooms of `plan`.
-pub(crate) fn furnish(plan: &mut Plan, dice: &mut Dice) {
+pub(crate) fn furnish(plan: &mut Plan, care: Care, dice: &mut Dice) {
     let clutter = dice.pick(&[0.0, 0.2, 0.5, 1.0]);
     let fill = dice.between(0.5, 1.3);
     let mut furniture = Vec::new();
     for space in 0..plan.spaces.len() {
         let tiles = plan.tiles.iter().filter(|tile| tile.space == space);
         let Some(tile) = tiles.max_by(|a, b| a.inner.area().total_cmp(&b.inner.area())) else { continue };
-        let mut room = Room::new(plan, tile.inner, dice.chance(0.3));
-        if dice.chance(0.06) {
+        let mut room = Room::new(plan, tile.inner, care.door_clearance_m, dice.chance(0.3));
+        if dice.chance(care.empty) {
             continue;
         }
         furnish_room(&mut room, plan.spaces[space].usage, fill, dice);
@@ -35,7 +54,7 @@ pub(crate) fn furnish(plan: &mut Plan, dice: &mut Dice) {
         }
         furniture.append(&mut room.furniture);
     }
-    plan.furniture = furniture;
+    plan.furniture.append(&mut furniture);
 }
 
 /// A room while it is filled.
@@ -49,9 +68,12 @@ struct Room {
 }
 
 impl Room {
-    fn new(plan: &Plan, floor: Rect, is_askew: bool) -> Self {
-        let strips = plan.openings.iter().map(|opening| opening.strip().grown(0.45));
-        let fixtures = plan.fixtures.iter().map(Solid::bounds);
+    fn new(plan: &Plan, floor: Rect, door_clearance_m: f64, is_askew: bool) -> Self {
+        let strips = plan
+            .openings
+            .iter()
+            .map(|opening| opening.solid(opening.strip()).bounds().grown(door_clearance_m));
+        let fixtures = plan.fixtures.iter().chain(&plan.furniture).map(Solid::bounds);
         Self {
             floor,
             taken: strips.chain(fixtures).filter(|rect| rect.overlaps(&floor)).collect(),
@@ -172,6 +194,8 @@ fn along_walls(usage: Usage, area: f64) -> Vec<(Draw, f64)> {
         ],
         Usage::Classroom => vec![(pieces::cabinet, 2.5)],
         Usage::Hall => vec![(pieces::corridor_item, area / 12.0)],
+        Usage::Lobby => vec![(pieces::corridor_item, area / 30.0)],
+        Usage::Stairs => Vec::new(),
         Usage::Warehouse => vec![(pieces::pallet, area / 40.0)],
     }
 }

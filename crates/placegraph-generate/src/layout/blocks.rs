@@ -174,6 +174,28 @@ fn place_room(
         extend(plan, corridor, side.layer(slot, 0.0, depth * dice.between(0.3, 1.0)));
         return;
     }
+    if let Some(extras) = recipe.extras {
+        if hi - lo > 3.4
+            && dice.chance(extras.stubs)
+            && let Some(corridor) = corridor_beside(plan, slot, side)
+        {
+            let width = dice.between(1.1, 1.8);
+            let (stub, rest) = if dice.chance(0.5) {
+                ((lo, lo + width), (lo + width, hi))
+            } else {
+                ((hi - width, hi), (lo, hi - width))
+            };
+            let stub = Rect::along(side.wall(), stub, (from, to));
+            extend(plan, corridor, side.layer(&stub, 0.0, depth * dice.between(0.3, 1.0)));
+            add(plan, usage, Rect::along(side.wall(), rest, (from, to)));
+            return;
+        }
+        if hi - lo > 2.6 && depth > 2.6 && dice.chance(extras.closets) {
+            let (entrance, closet) = (dice.between(0.9, 1.5), dice.between(1.0, 1.4_f64.max(hi - lo - 1.3)));
+            with_corner(plan, slot, side, [usage, Usage::Storage], [entrance, closet.min(2.2)], dice);
+            return;
+        }
+    }
     let depth = if stepped && dice.chance(0.4) { depth - dice.between(0.0, 0.3) * depth } else { depth };
     let room = side.layer(slot, 0.0, depth);
     if dice.chance(recipe.baths) && hi - lo > 2.9 && depth > 4.2 {
@@ -190,18 +212,32 @@ fn place_room(
 /// A room with a bath beside its entrance.
 fn with_bath(plan: &mut Plan, room: &Rect, side: Side, usage: Usage, dice: &mut Dice) {
     let (lo, hi) = room.span(side.wall());
-    let entrance = side.layer(room, 0.0, dice.between(1.7, 2.6));
+    let entrance = dice.between(1.7, 2.6);
     let bath = dice.between(1.5, (hi - lo - 1.2).clamp(1.6, 2.5));
+    with_corner(plan, room, side, [usage, Usage::Bath], [entrance, bath], dice);
+}
+
+/// A room and another one in its corner beside the entrance, so deep and so wide.
+fn with_corner(
+    plan: &mut Plan,
+    room: &Rect,
+    side: Side,
+    [usage, corner_usage]: [Usage; 2],
+    [depth_m, width_m]: [f64; 2],
+    dice: &mut Dice,
+) {
+    let (lo, hi) = room.span(side.wall());
+    let entrance = side.layer(room, 0.0, depth_m);
     let is_near = dice.chance(0.5);
-    let split = if is_near { lo + bath } else { hi - bath };
+    let split = if is_near { lo + width_m } else { hi - width_m };
     let depth = entrance.span(across(side.wall()));
     let (near, far) =
         (Rect::along(side.wall(), (lo, split), depth), Rect::along(side.wall(), (split, hi), depth));
-    let (bath, vestibule) = if is_near { (near, far) } else { (far, near) };
+    let (corner, vestibule) = if is_near { (near, far) } else { (far, near) };
     let space = add(plan, usage, vestibule);
     let (from, to) = room.span(across(side.wall()));
     extend(plan, space, side.layer(room, depth.1 - depth.0, to - from));
-    add(plan, Usage::Bath, bath);
+    add(plan, corner_usage, corner);
 }
 
 /// The corridor that lies along this side of `slot`.

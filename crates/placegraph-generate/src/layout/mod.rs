@@ -2,10 +2,14 @@
 //! the openings follow from which tiles touch.
 
 mod blocks;
+mod corridor_fixtures;
 mod corridors;
 mod home;
+mod open_floor;
 mod openings;
 mod walls;
+
+pub(crate) use openings::{hang_leaves, middle_of};
 
 use crate::dice::Dice;
 use crate::plan::{Plan, Space, Tile, Usage};
@@ -20,14 +24,18 @@ pub(crate) fn lay_out(style: Style, dice: &mut Dice) -> Plan {
         match style {
             Style::Home if dice.chance(0.6) => home::rooms_in_rooms(&mut plan, &recipe, dice),
             Style::Warehouse => hall_with_offices(&mut plan, &recipe, dice),
+            Style::OpenOffice => open_floor::around_core(&mut plan, &recipe, dice),
             _ => corridors::blocks_on_corridors(&mut plan, &recipe, dice),
         }
         corridors::add_fire_doors(&mut plan, dice);
-        walls::build(&mut plan, style, dice);
+        walls::build(&mut plan, style, &recipe, dice);
         openings::connect(&mut plan, style, &recipe, dice);
         if (3..250).contains(&plan.spaces.len()) && corridor_share(&plan) < 0.42 {
             walls::glaze(&mut plan, style, dice);
             walls::add_fixtures(&mut plan, dice);
+            if let Some(extras) = &recipe.extras {
+                corridor_fixtures::add(&mut plan, extras, dice);
+            }
             return plan;
         }
     }

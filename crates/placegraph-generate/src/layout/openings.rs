@@ -1,15 +1,17 @@
 //! Doors: enough of them that every space can be reached, and some more.
 
 use crate::dice::Dice;
-use crate::plan::{Contact, Opening, OpeningKind, Plan, Usage};
-use crate::shape::{Axis, Rect, Solid, Stand, across, heading};
-use crate::style::{Recipe, Style};
+use crate::plan::{Contact, Opening, OpeningKind, Plan, STRAIGHT, Usage};
+use crate::shape::{Axis, Rect, Stand, across, heading};
+use crate::style::{Extras, Recipe, Style};
 use placegraph::geom::Point2;
 
 /// Thickness of a door's leaf, in meters.
 const LEAF_M: f64 = 0.045;
-/// Nothing wider counts as a doorway.
+/// Nothing wider counts as a doorway, unless it was made to be one.
 const WIDEST_DOORWAY_M: f64 = 2.0;
+/// Widths of the widest doors, which have two leaves.
+const WIDE_M: (f64, f64) = (1.6, 2.6);
 
 /// How the doors of one building are.
 struct Doors {
@@ -20,19 +22,24 @@ struct Doors {
     closed: f64,
     ajar: f64,
     wide: f64,
+    extras: Option<Extras>,
 }
 
 /// Opens walls until everything that can be is connected, and drops what is not.
 pub(super) fn connect(plan: &mut Plan, style: Style, recipe: &Recipe, dice: &mut Dice) {
     let width = dice.within(recipe.door);
-    let doors = Doors {
+    let mut doors = Doors {
         width: (width - 0.05, width + 0.08),
         double: recipe.double_doors,
         bare: dice.pick(&[0.1, 0.5, 1.0]),
         closed: dice.pick(&[0.0, 0.0, 0.08, 0.25]),
         ajar: dice.pick(&[0.0, 0.1, 0.3]),
-        wide: if style == Style::Home { 0.3 } else { 0.1 },
+        wide: if matches!(style, Style::Home | Style::Flat) { 0.3 } else { 0.1 },
+        extras: recipe.extras,
     };
+    if let Some(extras) = recipe.extras {
+        doors.ajar = extras.ajar * dice.pick(&[0.3, 1.0, 2.0]);
+    }
     let mut contacts = plan.contacts();
     contacts.retain(|contact| {
         let [a, b] = contact.tiles.map(|tile| plan.tiles[tile].space);
@@ -89,7 +96,19 @@ fn add_opening(plan: &mut Plan, contact: &Contact, doors: &Doors, dice: &mut Dic
     let is_bath = usages.iter().any(|usage| matches!(usage, Usage::Bath | Usage::Toilet | Usage::Storage));
     let passage =
         is_cubicle || (!is_bath && usages.iter().copied().any(is_large) && dice.chance(2.5 * doors.wide));
-    let width = if is_cubicle {
+    let has = |share: fn(&Extras) -> f64, dice: &mut Dice| {
+        doors.extras.is_some_and(|extras| dice.chance(share(&extras)))
+    };
+    let is_front = !is_cubicle
+        && !is_bath
+        && usages.iter().copied().any(|usage| is_large(usage) || usage == Usage::Meeting)
+        && has(|extras| extras.open_fronts, dice);
+    let is_wide_door = !is_front && !is_cubicle && !is_bath && room > 3.0 && has(|extras| extras.wide, dice);
+    let width = if is_front {
+        room.min(12.0)
+    } else if is_wide_door {
+        dice.within(WIDE_M)
+    } else if is_cubicle {
         room.min(dice.between(0.8, 1.8))
     } else if between_corridors {
         room.min(dice.between(1.2, 2.0))
@@ -103,6 +122,8 @@ fn add_opening(plan: &mut Plan, contact: &Contact, doors: &Doors, dice: &mut Dic
     if width < 0.68 {
         return false;
     }
+    let is_flush = !is_front && has(|extras| extras.flush, dice);
+    let passage = is_front || (passage && !is_wide_door);
     for _ in 0..8 {
         let slack = room - width;
         let at = lo
@@ -114,13 +135,19 @@ fn add_opening(plan: &mut Plan, contact: &Contact, doors: &Doors, dice: &mut Dic
                     _ => dice.between(0.0, 1.0),
                 };
         let at = if between_corridors { lo + 0.08 + 0.5 * slack } else { at };
+        let at = match is_flush {
+            true if dice.chance(0.5) => lo,
+            true => hi - width,
+            false => at,
+        };
         let gap = Rect::along(contact.wall, (at, at + width), contact.across);
-        let is_wide = is_cubicle || width > WIDEST_DOORWAY_M || (passage && width > 1.6);
+        let is_wide = is_cubicle || (passage && width > 1.6) || (width > WIDEST_DOORWAY_M && !is_wide_door);
         let mut opening = Opening {
             spaces: if first_is_below(plan, contact) { spaces } else { [spaces[1], spaces[0]] },
             kind: if is_wide { OpeningKind::Passage } else { OpeningKind::Doorway },
             wall: contact.wall,
             gap,
+            turn: STRAIGHT,
             leaves: Vec::new(),
             closed: false,
         };
@@ -130,10 +157,14 @@ fn add_opening(plan: &mut Plan, contact: &Contact, doors: &Doors, dice: &mut Dic
         }
         if !passage && !dice.chance(doors.bare) {
             opening.closed = !between_corridors && dice.chance(doors.closed);
-            hang_leaves(&mut opening, plan, contact, doors, dice);
+            let hinge_first = dice.chance(0.5);
+            let first_is_corridor = plan.spaces[plan.tiles[contact.tiles[0]].space].is_corridor();
+            let into_room = dice.chance(0.85);
+            let swings_up = (first_is_below(plan, contact) == first_is_corridor) == into_room;
+            hang_leaves(&mut opening, hinge_first, swings_up, doors.ajar, dice);
         } else if !passage && !between_corridors && dice.chance(0.5 * doors.closed) {
             opening.closed = true;
-            opening.leaves.push(Solid::rect(middle_of(&opening)));
+            opening.leaves.push(opening.solid(middle_of(&opening)));
         }
         plan.openings.push(opening);
         return true;
@@ -148,21 +179,24 @@ fn first_is_below(plan: &Plan, contact: &Contact) -> bool {
 }
 
 /// The gap as thin as a leaf.
-fn middle_of(opening: &Opening) -> Rect {
+pub(crate) fn middle_of(opening: &Opening) -> Rect {
     let (from, to) = opening.gap.span(across(opening.wall));
     let middle = from.midpoint(to);
     let half = (0.5 * LEAF_M).min(0.5 * (to - from));
     Rect::along(opening.wall, opening.gap.span(opening.wall), (middle - half, middle + half))
 }
 
-/// Hangs one or two leaves, mostly into the room, mostly open.
-fn hang_leaves(opening: &mut Opening, plan: &Plan, contact: &Contact, doors: &Doors, dice: &mut Dice) {
+/// Hangs one or two leaves that swing to the upper or lower side of the wall, mostly open; `ajar` is the share of those
+/// that are hardly.
+pub(crate) fn hang_leaves(
+    opening: &mut Opening,
+    hinge_first: bool,
+    swings_up: bool,
+    ajar: f64,
+    dice: &mut Dice,
+) {
     let width = opening.width_m();
     let n_leaves = if width > 1.25 { 2 } else { 1 };
-    let hinge_first = dice.chance(0.5);
-    let first_is_corridor = plan.spaces[plan.tiles[contact.tiles[0]].space].is_corridor();
-    let into_room = dice.chance(0.85);
-    let swings_up = (first_is_below(plan, contact) == first_is_corridor) == into_room;
     let (from, to) = opening.gap.span(across(opening.wall));
     let face = if swings_up { to } else { from };
     let (lo, hi) = opening.gap.span(opening.wall);
@@ -170,7 +204,7 @@ fn hang_leaves(opening: &mut Opening, plan: &Plan, contact: &Contact, doors: &Do
         let at_lo = (leaf == 0) == hinge_first;
         let angle_deg = if opening.closed {
             0.0
-        } else if dice.chance(doors.ajar) {
+        } else if dice.chance(ajar) {
             dice.between(15.0, 75.0)
         } else {
             dice.pick(&[85.0, 92.0, 100.0, 115.0, 140.0, 165.0]) + dice.between(-8.0, 8.0)
@@ -185,6 +219,8 @@ fn hang_leaves(opening: &mut Opening, plan: &Plan, contact: &Contact, doors: &Do
         };
         let stand = Stand { at, forward: placegraph::geom::Vec2::new(forward.0, forward.1) };
         let length = width / f64::from(n_leaves);
-        opening.leaves.push(stand.rect(Rect::new(0.0, -0.5 * LEAF_M, length, 0.5 * LEAF_M)));
+        let leaf = stand.rect(Rect::new(0.0, -0.5 * LEAF_M, length, 0.5 * LEAF_M));
+        let leaf = opening.put_in_plan(leaf);
+        opening.leaves.push(leaf);
     }
 }

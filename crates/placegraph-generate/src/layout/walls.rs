@@ -3,17 +3,21 @@
 use crate::dice::Dice;
 use crate::plan::{Plan, Usage};
 use crate::shape::{Axis, Rect, Solid, across};
-use crate::style::Style;
+use crate::style::{Recipe, Style};
 use placegraph::geom::Point2;
 
 const AXES: [Axis; 2] = [Axis::X, Axis::Y];
 
 /// Draws the thickness of all walls and moves the faces of the tiles there.
-pub(super) fn build(plan: &mut Plan, style: Style, dice: &mut Dice) {
+pub(super) fn build(plan: &mut Plan, style: Style, recipe: &Recipe, dice: &mut Dice) {
     let partition = dice.between(0.08, 0.2);
     let corridor_wall = partition + if dice.chance(0.5) { dice.between(0.0, 0.25) } else { 0.0 };
+    let corridor_wall = match recipe.extras {
+        Some(extras) if dice.chance(extras.deep_walls) => dice.between(0.4, 0.9),
+        _ => corridor_wall,
+    };
     plan.outer_wall_m = dice.between(0.15, 0.4);
-    let thick = if style == Style::Home { 0.05 } else { 0.12 };
+    let thick = if matches!(style, Style::Home | Style::Flat) { 0.05 } else { 0.12 };
     for index in 0..plan.tiles.len() {
         let tile = &plan.tiles[index];
         let is_corridor = plan.spaces[tile.space].is_corridor();
@@ -69,8 +73,11 @@ fn neighbors(plan: &Plan, index: usize, run: Axis, at_far_end: bool) -> Vec<(usi
 /// Puts panes of glass into outer walls, and into walls between corridors and rooms.
 pub(super) fn glaze(plan: &mut Plan, style: Style, dice: &mut Dice) {
     let windows = dice.pick(&[0.0, 0.0, 0.0, 0.06, 0.15, 0.4]);
-    let glass_fronts =
-        if matches!(style, Style::Office | Style::School) { dice.pick(&[0.0, 0.0, 0.08, 0.3]) } else { 0.0 };
+    let glass_fronts = if matches!(style, Style::Office | Style::School | Style::Campus | Style::OpenOffice) {
+        dice.pick(&[0.0, 0.0, 0.08, 0.3])
+    } else {
+        0.0
+    };
     for index in 0..plan.tiles.len() {
         for (run, at_far_end) in AXES.into_iter().flat_map(|run| [(run, false), (run, true)]) {
             let share =
@@ -167,7 +174,7 @@ fn cut_corner(room: &Rect, cut: f64, x: f64, y: f64) -> Solid {
     Solid::Convex(if x * y > 0.0 { vec![corner, b, a] } else { vec![corner, a, b] })
 }
 
-fn add_clear_of_doors(plan: &mut Plan, fixture: Solid) {
+pub(super) fn add_clear_of_doors(plan: &mut Plan, fixture: Solid) {
     let bounds = fixture.bounds().grown(0.3);
     if !plan.openings.iter().any(|opening| opening.strip().overlaps(&bounds)) {
         plan.fixtures.push(fixture);

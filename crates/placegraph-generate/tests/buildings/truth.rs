@@ -5,8 +5,17 @@ use placegraph_generate::{
     AMBIGUOUS, Building, CORRIDOR, DOORWAY, Mapping, OpeningKind, Options, ROOM, Style, generate,
 };
 
-const STYLES: [Style; 6] =
-    [Style::Office, Style::Home, Style::Hospital, Style::Hotel, Style::School, Style::Warehouse];
+const STYLES: [Style; 9] = [
+    Style::Office,
+    Style::Home,
+    Style::Hospital,
+    Style::Hotel,
+    Style::School,
+    Style::Warehouse,
+    Style::Campus,
+    Style::OpenOffice,
+    Style::Flat,
+];
 
 fn series(mapping: Mapping, resolution_m: f64, count: u64) -> Vec<Building> {
     let options = Options { mapping, resolution_m: Some(resolution_m) };

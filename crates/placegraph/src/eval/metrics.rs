@@ -55,6 +55,11 @@ pub struct CellScores {
 }
 
 impl Confusion {
+    /// No cells.
+    pub fn none(label_set: &LabelSet) -> Self {
+        Self { matrix: ConfusionMatrix::new(label_set.len()), n_near: 0 }
+    }
+
     /// Counts the cells of one map that have a true label.
     ///
     /// # Panics
@@ -65,7 +70,7 @@ impl Confusion {
             (truth.width(), truth.height()),
             "prediction and truth are of one map"
         );
-        let mut confusion = Self { matrix: ConfusionMatrix::new(label_set.len()), n_near: 0 };
+        let mut confusion = Self::none(label_set);
         for (index, (&predicted, &true_label)) in predicted.values().iter().zip(truth.values()).enumerate() {
             let Some(true_label) = true_label else { continue };
             confusion.matrix.count(true_label, predicted);
@@ -115,7 +120,7 @@ impl Confusion {
 }
 
 /// A share as a percentage, or a dash.
-struct Percent(Option<f64>);
+pub(super) struct Percent(pub(super) Option<f64>);
 
 impl fmt::Display for Percent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -1,7 +1,11 @@
-//! How good a labeling is: cell, class and room measures.
+//! How good a labeling is: cell, class, door and room measures.
 
+mod door_scores;
+mod doors;
 mod metrics;
 mod rooms;
 
+pub use door_scores::{DoorGroup, DoorRates, DoorScores};
+pub use doors::{DOOR_REACH_M, DoorCounts, DoorTally, MIN_DOOR_AREA_M2};
 pub use metrics::{CellScores, ClassScores, Confusion};
 pub use rooms::{MIN_ROOM_CELLS, RoomScores, room_scores};

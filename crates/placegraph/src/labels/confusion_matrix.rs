@@ -118,7 +118,7 @@ impl ConfusionMatrix {
 }
 
 /// `part / whole`, or `None` for 0/0.
-fn ratio(part: u64, whole: u64) -> Option<f64> {
+pub(crate) fn ratio(part: u64, whole: u64) -> Option<f64> {
     (whole > 0).then(|| part as f64 / whole as f64)
 }
 

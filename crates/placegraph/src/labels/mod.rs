@@ -5,5 +5,6 @@ mod field;
 mod label;
 
 pub use confusion_matrix::ConfusionMatrix;
+pub(crate) use confusion_matrix::ratio;
 pub use field::LabelField;
 pub use label::{Class, Label, LabelSet, LabelSetError, Labeling, Role};

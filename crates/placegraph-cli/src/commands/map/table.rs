@@ -4,6 +4,7 @@ use anyhow::Result;
 
 use super::batch::Done;
 use super::result::skipped;
+use crate::output::csv_row;
 
 /// A row per map, as comma-separated values.
 pub(super) struct Table<'a> {
@@ -16,7 +17,7 @@ impl<'a> Table<'a> {
     pub(super) fn new(classes: &'a [&'a str]) -> Self {
         let header = ["map", "status", "error"].iter().chain(classes);
         let header = header.chain(&["connections", "area_m2", "seconds"]).map(|&name| name.to_owned());
-        Self { classes, text: row(header) }
+        Self { classes, text: csv_row(header) }
     }
 
     /// A row for `map`.
@@ -43,20 +44,8 @@ impl<'a> Table<'a> {
                 fields
             }
         };
-        self.text += &row(fields.into_iter());
+        self.text += &csv_row(fields.into_iter());
     }
-}
-
-/// `fields` as a line of comma-separated values (RFC 4180, with plain line ends).
-fn row(fields: impl Iterator<Item = String>) -> String {
-    let escaped = |field: String| {
-        if field.contains(['"', ',', '\n', '\r']) {
-            format!("\"{}\"", field.replace('"', "\"\""))
-        } else {
-            field
-        }
-    };
-    fields.map(escaped).collect::<Vec<_>>().join(",") + "\n"
 }
 
 #[cfg(test)]
@@ -66,7 +55,7 @@ mod tests {
     #[test]
     fn fields_are_escaped_and_rows_equally_long() {
         assert_eq!(
-            row(["a", "b,c", "say \"d\""].map(str::to_owned).into_iter()),
+            csv_row(["a", "b,c", "say \"d\""].map(str::to_owned).into_iter()),
             "a,\"b,c\",\"say \"\"d\"\"\"\n"
         );
         let mut table = Table::new(&["corridor", "room"]);

@@ -1,67 +1,86 @@
-//! `placegraph evaluate`: a label image against the truth.
+//! One label image against the truth.
 
 use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
-use placegraph::eval::{CellScores, Confusion, RoomScores, room_scores};
+use placegraph::eval::{CellScores, Confusion, DoorCounts, DoorScores, RoomScores, room_scores};
 use placegraph::grid::{CellGraph, Grid, Occupancy};
 use placegraph::import::{self, LabelCell, LabelCoding};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::regions::{DiagonalSteps, Region, RegionId, RegionMap};
 use serde::Serialize;
 
-use super::Outcome;
-use crate::args::{CropArg, EvaluateArgs};
-use crate::model::NamedModel;
-use crate::output::{print, print_json};
+use crate::args::CropArg;
 use crate::read;
 
 /// Largest image that is judged.
 const MAX_PIXELS: u64 = 400_000_000;
 
-#[derive(Serialize)]
-struct Report {
-    cells: CellScores,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rooms: Option<RoomScores>,
+/// What is judged, and how.
+pub(super) struct Pair<'a> {
+    pub(super) prediction: &'a Path,
+    pub(super) labels: &'a Path,
+    /// True rooms and found regions.
+    pub(super) rooms: Option<(&'a Path, &'a Path)>,
+    pub(super) crop: Option<CropArg>,
+    /// Meters per pixel, for doors.
+    pub(super) resolution_m: Option<f64>,
 }
 
-/// Compares, prints, and checks the accuracy asked for.
-pub(crate) fn run(args: &EvaluateArgs) -> Result<Outcome> {
-    let label_set = match &args.model {
-        Some(path) => NamedModel::load(Some(path))?.model.label_set,
-        None => LabelSet::default(),
-    };
-    let predicted = labels(&args.prediction, None, &label_set)?;
-    let size = (predicted.width(), predicted.height());
-    let mut truth = labels(&args.labels, Some(size), &label_set)?;
-    if let Some(crop) = args.crop {
-        keep_only(crop, &mut truth)?;
+/// What was counted on one map.
+pub(super) struct Judged {
+    pub(super) cells: Confusion,
+    pub(super) doors: Option<DoorCounts>,
+    pub(super) rooms: Option<RoomScores>,
+}
+
+/// All measures of one map, or of several together.
+#[derive(Serialize)]
+pub(super) struct Report {
+    pub(super) cells: CellScores,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) doors: Option<DoorScores>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) rooms: Option<RoomScores>,
+}
+
+impl Judged {
+    pub(super) fn report(&self, label_set: &LabelSet) -> Report {
+        Report {
+            cells: self.cells.scores(label_set),
+            doors: self.doors.as_ref().map(|doors| doors.scores(label_set)),
+            rooms: self.rooms.clone(),
+        }
     }
-    let confusion = Confusion::count(&predicted, &truth, &label_set);
-    let rooms = match (&args.rooms, &args.regions) {
-        (Some(rooms), Some(regions)) => {
-            let mut rooms = ids(rooms, size)?;
-            if let Some(crop) = args.crop {
-                keep_only(crop, &mut rooms)?;
+}
+
+impl Pair<'_> {
+    /// Reads the images and compares them.
+    pub(super) fn judge(&self, label_set: &LabelSet) -> Result<Judged> {
+        let predicted = labels(self.prediction, None, label_set)?;
+        let size = (predicted.width(), predicted.height());
+        let mut truth = labels(self.labels, Some(size), label_set)?;
+        if let Some(crop) = self.crop {
+            keep_only(crop, &mut truth)?;
+        }
+        let rooms = match self.rooms {
+            Some((rooms, regions)) => {
+                let mut rooms = ids(rooms, size)?;
+                if let Some(crop) = self.crop {
+                    keep_only(crop, &mut rooms)?;
+                }
+                let (graph, regions) = region_map(&ids(regions, size)?, &predicted, label_set);
+                Some(room_scores(&graph, &regions, label_set, &rooms))
             }
-            let (graph, regions) = region_map(&ids(regions, size)?, &predicted, &label_set);
-            Some(room_scores(&graph, &regions, &label_set, &rooms))
-        }
-        _ => None,
-    };
-    let report = Report { cells: confusion.scores(&label_set), rooms };
-    if args.json {
-        print_json(&report)?;
-    } else {
-        print(&format!("{}\n", report.cells))?;
-        if let Some(rooms) = &report.rooms {
-            print(&format!("{rooms}\n"))?;
-        }
+            None => None,
+        };
+        let doors = |resolution_m| DoorCounts::count(&predicted, &truth, label_set, resolution_m);
+        Ok(Judged {
+            cells: Confusion::count(&predicted, &truth, label_set),
+            doors: self.resolution_m.map(doors),
+            rooms,
+        })
     }
-    let enough =
-        args.min_accuracy.is_none_or(|least| report.cells.accuracy.is_some_and(|found| found >= least));
-    Ok(if enough { Outcome::Done } else { Outcome::CheckFailed })
 }
 
 /// The labels in the image at `path`; `size` of the map if it is known.
