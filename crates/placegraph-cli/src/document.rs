@@ -3,37 +3,63 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use placegraph::export::{MAX_DOCUMENT_BYTES, TopologyDocument};
-use placegraph::import;
+use placegraph::import::{self, has_memory};
 use placegraph::model::sha256_hex;
 
 /// The name of the file that says what a result was made of. It is put in place last: where it is, the others
 /// are.
 pub(crate) const DOCUMENT: &str = "topology.json";
 
-/// Reads the `topology.json` at `path`.
-pub(crate) fn read(path: &Path) -> Result<TopologyDocument> {
-    Ok(parsed(path)?.0)
+/// Memory that a document takes at most while it is read, for each of its bytes: numbers of few digits become points.
+const MEMORY_PER_BYTE: u64 = 8;
+
+/// Reads the `topology.json` at `path`, of a map of at most `max_cells` cells.
+pub(crate) fn read(path: &Path, max_cells: u64) -> Result<TopologyDocument> {
+    Ok(parsed(path, max_cells)?.0)
 }
 
-/// Reads the `topology.json` at `path`; also returns the hash of its bytes.
-pub(crate) fn read_hashed(path: &Path) -> Result<(TopologyDocument, String)> {
-    let (document, bytes) = parsed(path)?;
+/// [`read`]; also returns the hash of the bytes.
+pub(crate) fn read_hashed(path: &Path, max_cells: u64) -> Result<(TopologyDocument, String)> {
+    let (document, bytes) = parsed(path, max_cells)?;
     Ok((document, sha256_hex(&bytes)))
 }
 
-fn parsed(path: &Path) -> Result<(TopologyDocument, Vec<u8>)> {
+fn parsed(path: &Path, max_cells: u64) -> Result<(TopologyDocument, Vec<u8>)> {
     let could_not = || format!("could not read {}", path.display());
     let bytes = import::read(path, MAX_DOCUMENT_BYTES).with_context(could_not)?;
-    let document = TopologyDocument::from_json(&bytes).with_context(|| format!("in {}", path.display()))?;
+    let n_bytes = MEMORY_PER_BYTE * bytes.len() as u64;
+    ensure!(has_memory(n_bytes), "not enough memory: reading {} takes {n_bytes} bytes", path.display());
+    let in_file = || format!("in {}", path.display());
+    let document = TopologyDocument::from_json(&bytes).with_context(in_file)?;
+    document
+        .check_size(max_cells)
+        .map_err(|error| anyhow!("{error}; to read larger ones, use --max-cells N"))
+        .with_context(in_file)?;
     Ok((document, bytes))
 }
 
 /// The time that results shall bear, from `SOURCE_DATE_EPOCH`: with it, nothing in them tells the clock.
 pub(crate) fn fixed_time() -> Option<Duration> {
-    let seconds: u32 = std::env::var("SOURCE_DATE_EPOCH").ok()?.parse().ok()?;
-    Some(Duration::from_secs(seconds.into()))
+    seconds(&std::env::var(EPOCH).ok()?).map(Duration::from_secs)
+}
+
+/// The variable with the time that results shall bear.
+const EPOCH: &str = "SOURCE_DATE_EPOCH";
+
+/// Refuses a time that [`fixed_time`] would not follow.
+pub(crate) fn check_fixed_time() -> Result<()> {
+    match std::env::var(EPOCH) {
+        Err(std::env::VarError::NotPresent) => Ok(()),
+        Ok(text) if seconds(&text).is_some() => Ok(()),
+        found => bail!("expected {EPOCH} to be seconds since 1970, up to the year 9999, found {found:?}"),
+    }
+}
+
+/// Seconds since 1970, if the year has four digits.
+fn seconds(text: &str) -> Option<u64> {
+    text.parse().ok().filter(|seconds| *seconds <= 253_402_300_799)
 }
 
 /// The document of the result at `path`: the file itself, or that in a folder.

@@ -4,6 +4,7 @@ mod args;
 mod commands;
 mod document;
 mod guard;
+mod hints;
 mod model;
 mod output;
 mod progress;
@@ -46,9 +47,10 @@ pub fn run(args: impl IntoIterator<Item: Into<OsString> + Clone>) -> u8 {
 
 fn execute(cli: &Cli) -> Result<Outcome> {
     check_instructions()?;
+    document::check_fixed_time()?;
     // 0: as many as there are cores.
     rayon::ThreadPoolBuilder::new()
-        .num_threads(cli.threads.unwrap_or(0))
+        .num_threads(cli.threads.unwrap_or(0).into())
         .build_global()
         .context("could not start the threads")?;
     match &cli.command {

@@ -2,19 +2,22 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use placegraph::export::MaskSettings;
 use placegraph::import::{self, Gray205, LoadedMap, NamedFiles, ReadOptions, ros::Rules};
 use placegraph::model::sha256_hex;
+use placegraph::syntax::from_toml;
 
 use crate::args::{ReadArgs, RulesArg};
+use crate::hints;
 
 /// The reader's options that the arguments ask for.
 pub(crate) fn options(args: &ReadArgs) -> ReadOptions {
     ReadOptions {
         resolution_m: args.resolution,
         rules: match args.rules {
-            RulesArg::Nav2 => Rules::Nav2,
+            RulesArg::Jazzy => Rules::Jazzy,
+            RulesArg::Humble => Rules::Humble,
             RulesArg::Ros1 => Rules::Ros1,
         },
         gray_205: if args.trust_thresholds { Gray205::AsFile } else { Gray205::Unknown },
@@ -26,7 +29,15 @@ pub(crate) fn options(args: &ReadArgs) -> ReadOptions {
 
 /// Reads the map at `path`.
 pub(crate) fn map(path: &Path, args: &ReadArgs) -> Result<LoadedMap> {
-    Ok(import::load_map(path, &options(args))?)
+    load(path, &options(args))
+}
+
+/// Reads the map at `path`; an error names the option that helps.
+pub(crate) fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap> {
+    import::load_map(path, options).map_err(|error| match hints::against(&error) {
+        Some(option) => anyhow!("{error}; {option}"),
+        None => error.into(),
+    })
 }
 
 /// Reads a TOML file, called a `what` where it cannot be read.
@@ -45,7 +56,6 @@ pub(crate) fn image(path: &Path, max_cells: u64) -> Result<Vec<u8>> {
 pub(crate) fn masks(path: Option<&Path>) -> Result<(MaskSettings, Option<String>)> {
     let Some(path) = path else { return Ok((MaskSettings::default(), None)) };
     let text = text(path, "mask file")?;
-    let masks =
-        toml::from_str(&text).with_context(|| format!("expected a mask file in {}", path.display()))?;
+    let masks = from_toml(&text).with_context(|| format!("expected a mask file in {}", path.display()))?;
     Ok((masks, Some(sha256_hex(text.as_bytes()))))
 }

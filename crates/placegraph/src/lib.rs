@@ -16,7 +16,8 @@
 //! | regions and the two corrections by size | [`regions`] | 4.7 |
 //! | the topological map | [`topology`] | 4.7 |
 //!
-//! The library prints nothing, reads no clock, draws no random numbers and has no globals: the same input
+//! The library prints nothing, reads no clock, draws no random numbers and keeps no state; the environment chooses
+//! vector instructions once (`scan::Instructions`), and files are opened by `import::load_map` and its like alone: the same input
 //! gives the same bits on any number of threads.
 //!
 //! # Start here
@@ -74,5 +75,6 @@ pub mod relax;
 pub mod scan;
 pub mod spaces;
 pub mod syntax;
+pub mod text;
 pub mod topology;
 pub mod training;

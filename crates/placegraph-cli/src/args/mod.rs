@@ -12,16 +12,23 @@ pub(crate) use edit::EditArgs;
 use placegraph::export::Format;
 pub(crate) use values::{CropArg, Formats, PlacePointArg, PointArg};
 
+/// Most cells of a map unless asked otherwise.
+pub(crate) const MAX_CELLS: u64 = 400_000_000;
+
+/// Without it, help and manual page would begin with the description of the package.
+const ABOUT: &str =
+    "Turns the occupancy grid map of a building into corridors, rooms, doorways and how they connect";
+
 /// From an occupancy grid map to corridors, rooms, doorways and how they connect.
 #[derive(Debug, Parser)]
-#[command(name = "placegraph", version, about, arg_required_else_help = true)]
+#[command(name = "placegraph", version, about = ABOUT, arg_required_else_help = true)]
 pub(crate) struct Cli {
     /// What to do.
     #[command(subcommand)]
     pub(crate) command: Command,
-    /// Threads to work with [default: all cores]; the result does not depend on it
-    #[arg(long, global = true, value_name = "N")]
-    pub(crate) threads: Option<usize>,
+    /// Threads to work with, at most 256 [default: all cores]; the result does not depend on it
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=256))]
+    pub(crate) threads: Option<u16>,
     /// Tell how long each stage took
     #[arg(short, long, global = true)]
     pub(crate) verbose: bool,
@@ -65,8 +72,8 @@ pub(crate) struct ReadArgs {
     /// Meters per pixel of a map that is an image without a YAML file
     #[arg(long, value_name = "METERS")]
     pub(crate) resolution: Option<f64>,
-    /// Whose reading of the YAML file to follow
-    #[arg(long, value_enum, default_value_t = RulesArg::Nav2)]
+    /// Read YAML file and image as map_server of this release does: docs/maps.md
+    #[arg(long, value_enum, default_value_t = RulesArg::Jazzy)]
     pub(crate) rules: RulesArg,
     /// Read gray 205 as the file's thresholds say, even where they turn unexplored space free
     #[arg(long)]
@@ -75,22 +82,25 @@ pub(crate) struct ReadArgs {
     #[arg(long)]
     pub(crate) allow_outside: bool,
     /// Refuse maps with more cells than this
-    #[arg(long, value_name = "N", default_value_t = 400_000_000)]
+    #[arg(long, value_name = "N", default_value_t = MAX_CELLS)]
     pub(crate) max_cells: u64,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum RulesArg {
-    /// Navigation 2
-    Nav2,
-    /// ROS 1 map_server
+    /// ROS 2 Jazzy, Kilted and later
+    #[value(alias = "nav2")]
+    Jazzy,
+    /// ROS 2 Foxy, Humble and Iron: alpha and colors count otherwise
+    Humble,
+    /// ROS 1
     Ros1,
 }
 
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "a flag of the command line each")]
 pub(crate) struct MapArgs {
-    /// Maps: map_server YAML, image (with --resolution) or CARMEN map
+    /// Maps: map_server YAML, image (with --resolution), CARMEN map or Valetudo JSON
     #[arg(required = true, value_name = "MAP")]
     pub(crate) maps: Vec<PathBuf>,
     /// Folder for the results; several maps get a folder each in it
@@ -243,7 +253,7 @@ pub(crate) struct EvaluateArgs {
     /// Judge only these pixels, y down, upper bounds exclusive
     #[arg(long, value_name = "X0,Y0,X1,Y1")]
     pub(crate) crop: Option<CropArg>,
-    /// True rooms: an image of room numbers, 0 none
+    /// True rooms: an image of room numbers, 0 none, or a Valetudo JSON with its segments
     #[arg(long, requires = "regions", value_name = "IMAGE")]
     pub(crate) rooms: Option<PathBuf>,
     /// Found regions: an image of region numbers, 0 none
@@ -268,6 +278,9 @@ pub(crate) struct ScanArgs {
     /// Position of the scan in meters of the map frame
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pub(crate) at: PointArg,
+    /// Scan as this model does [default: the one inside the program]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) model: Option<PathBuf>,
     /// Also draw the scan into this PNG file
     #[arg(short, long, value_name = "PNG")]
     pub(crate) output: Option<PathBuf>,
@@ -396,6 +409,9 @@ pub(crate) struct WhereArgs {
     /// The point in meters, and the frame that it is in if that is to be checked
     #[arg(long, value_name = "X,Y[,FRAME]", allow_hyphen_values = true)]
     pub(crate) at: PlacePointArg,
+    /// Refuse results of maps with more cells than this
+    #[arg(long, value_name = "N", default_value_t = MAX_CELLS)]
+    pub(crate) max_cells: u64,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -412,6 +428,9 @@ pub(crate) struct RouteArgs {
     /// Name or number of the last place
     #[arg(value_name = "TO")]
     pub(crate) to: String,
+    /// Refuse results of maps with more cells than this
+    #[arg(long, value_name = "N", default_value_t = MAX_CELLS)]
+    pub(crate) max_cells: u64,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,

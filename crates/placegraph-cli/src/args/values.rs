@@ -30,6 +30,9 @@ impl FromStr for CropArg {
     }
 }
 
+/// Farther from the origin than this is nothing: some maps have their origin at a corner of a country.
+const FARTHEST_M: f64 = 1e8;
+
 /// A point in meters of the map frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PointArg {
@@ -43,8 +46,8 @@ impl FromStr for PointArg {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
         match comma_separated::<f64>(text).as_deref() {
-            Some(&[x, y]) if x.is_finite() && y.is_finite() => Ok(Self { x, y }),
-            _ => Err(format!("expected X,Y in meters, found {text:?}")),
+            Some(&[x, y]) if x.abs() <= FARTHEST_M && y.abs() <= FARTHEST_M => Ok(Self { x, y }),
+            _ => Err(format!("expected X,Y in meters of a place on Earth, found {text:?}")),
         }
     }
 }
@@ -145,7 +148,7 @@ mod tests {
         let point = PointArg { x: 1.5, y: -2.0 };
         assert_eq!("1.5, -2".parse(), Ok(PlacePointArg { point, frame_id: None }));
         assert_eq!("1.5,-2,map".parse(), Ok(PlacePointArg { point, frame_id: Some("map".to_owned()) }));
-        for bad in ["", "1", "1,map", "1,nan", "a,b,map"] {
+        for bad in ["", "1", "1,map", "1,nan", "a,b,map", "1e308,1e308", "inf,0"] {
             assert!(bad.parse::<PlacePointArg>().is_err(), "{bad}");
         }
     }

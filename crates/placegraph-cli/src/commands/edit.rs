@@ -10,7 +10,7 @@ use placegraph::topology::edits::{Edit, EditFile, Target};
 use placegraph::topology::query::place_called;
 
 use super::Outcome;
-use crate::args::EditArgs;
+use crate::args::{EditArgs, MAX_CELLS};
 use crate::output::complain;
 use crate::{document, read};
 
@@ -19,7 +19,7 @@ pub(crate) fn run(args: &EditArgs) -> Result<Outcome> {
     let mut edit = args.action.edit();
     let mut named = Vec::new();
     if let Some(result) = &args.result {
-        let document = document::read(&document::path_in(result))?;
+        let document = document::read(&document::path_in(result), MAX_CELLS)?;
         if let Edit::Relabel { class, .. } = &edit {
             let known: Vec<&str> =
                 document.classes.classes().iter().map(|class| class.name.as_str()).collect();

@@ -4,15 +4,25 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use placegraph::export::{Export, MapInfo};
+use placegraph::import::has_memory;
 
 use super::Outcome;
 use crate::args::ExportArgs;
 use crate::output::OutputSet;
 use crate::{document, read};
 
+/// Memory that an export takes at most for each cell of the map: a turned mask is twice as large as the map.
+const EXPORT_BYTES_PER_CELL: u64 = 8;
+
 /// Writes the file or the files of the format, all or none.
 pub(crate) fn run(args: &ExportArgs) -> Result<Outcome> {
-    let document = document::read(&args.topology)?;
+    let document = document::read(&args.topology, args.read.max_cells)?;
+    let n_bytes = EXPORT_BYTES_PER_CELL * u64::from(document.map.width) * u64::from(document.map.height);
+    ensure!(
+        has_memory(n_bytes),
+        "not enough memory: exporting {} takes {n_bytes} bytes",
+        args.topology.display()
+    );
     let masks = read::masks(args.masks.as_deref())?.0;
     let map = args.map.as_deref().map(|path| read::map(path, &args.read)).transpose()?;
     if let Some(map) = &map {

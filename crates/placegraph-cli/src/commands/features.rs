@@ -14,7 +14,7 @@ pub(crate) fn run(args: &FeaturesArgs) -> Result<Outcome> {
         ListFormat::Text => {
             let lines = features::registry()
                 .iter()
-                .map(|feature| format!("{:<10} {:<6} {}\n", feature.name, feature.unit, feature.description));
+                .map(|feature| format!("{:<10} {:<6} {}\n", feature.name, feature.unit, feature.described()));
             print(&lines.collect::<String>())?;
         }
     }

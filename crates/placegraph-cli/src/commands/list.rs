@@ -7,13 +7,13 @@ use placegraph::topology::{Place, TopologicalMap};
 use serde_json::{Value, json};
 
 use super::Outcome;
-use crate::args::ListArgs;
+use crate::args::{ListArgs, MAX_CELLS};
 use crate::document;
 use crate::output::{print, print_json};
 
 /// A line a place: number, name, class, area, a point inside of it; of a doorway width and sides.
 pub(crate) fn run(args: &ListArgs) -> Result<Outcome> {
-    let document = document::read(&document::path_in(&args.result))?;
+    let document = document::read(&document::path_in(&args.result), MAX_CELLS)?;
     let map = document.topology();
     let wanted = |place: &&Place| args.class.as_ref().is_none_or(|class| place.class == *class);
     let places = map.places.iter().filter(wanted);

@@ -13,7 +13,7 @@ use crate::output::{print, print_json};
 
 /// Tells place, class and probability, and in a doorway its sides.
 pub(crate) fn run(args: &WhereArgs) -> Result<Outcome> {
-    let document = document::read(&args.topology)?;
+    let document = document::read(&args.topology, args.max_cells)?;
     let expected = &document.map.frame_id;
     if let Some(found) = &args.at.frame_id {
         ensure!(found == expected, "expected a point in the frame {expected:?}, found {found:?}");

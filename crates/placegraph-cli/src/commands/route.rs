@@ -15,7 +15,7 @@ use crate::output::{print, print_json};
 
 /// Tells the places and doorways on the shortest way, and how long it is.
 pub(crate) fn run(args: &RouteArgs) -> Result<Outcome> {
-    let document = document::read(&args.topology)?;
+    let document = document::read(&args.topology, args.max_cells)?;
     let map = document.topology();
     let (from, to) =
         (named_place(&map, &args.from, &args.topology)?, named_place(&map, &args.to, &args.topology)?);
@@ -32,7 +32,8 @@ pub(crate) fn run(args: &RouteArgs) -> Result<Outcome> {
             // Writing to a string cannot fail.
             let _ = writeln!(text, "{}", place.name);
         }
-        print(&format!("{text}{:.2} m\n", route.length_m))?;
+        // Rounding leaves lengths just below 0, and 0 may have a sign.
+        print(&format!("{text}{:.2} m\n", route.length_m.max(0.0) + 0.0))?;
     }
     Ok(Outcome::Done)
 }

@@ -6,11 +6,12 @@ use anyhow::{Context, Result, ensure};
 use placegraph::export::scan_png;
 use placegraph::features;
 use placegraph::geom::Point2;
-use placegraph::scan::{self, ScanConfig};
+use placegraph::scan;
 use serde_json::json;
 
 use super::Outcome;
 use crate::args::ScanArgs;
+use crate::model::NamedModel;
 use crate::output::{print, print_json, write_file};
 use crate::read;
 
@@ -26,7 +27,8 @@ pub(crate) fn run(args: &ScanArgs) -> Result<Outcome> {
         .filter(|cell| cell.x < cells.width() && cell.y < cells.height())
         .with_context(|| format!("expected a point inside the map, found ({}, {})", at.x, at.y))?;
     ensure!(map.grid.is_free(cell), "expected a free cell at ({}, {}), found {:?}", at.x, at.y, cells[cell]);
-    let scan = scan::cast(&map.grid, cell, &ScanConfig::default());
+    let model = NamedModel::load(args.model.as_deref())?.model;
+    let scan = scan::cast(&map.grid, cell, &model.scan);
     let columns = features::all();
     let values = features::of_scan(&scan, &columns);
     let named = columns.iter().map(|id| &id.feature().name).zip(&values);

@@ -99,7 +99,7 @@ pub(super) struct Entry {
 
 /// Reads a map and its labels.
 pub(super) fn labeled_map(entry: &Entry, coding: &LabelCoding, options: &ReadOptions) -> Result<LabeledMap> {
-    let map = import::load_map(&entry.map, options)?;
+    let map = read::load(&entry.map, options)?;
     let size = (map.grid.cells.width(), map.grid.cells.height());
     let in_labels = || format!("in the labels {}", entry.labels.display());
     let bytes = read::image(&entry.labels, options.max_cells)?;

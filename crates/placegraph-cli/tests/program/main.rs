@@ -14,6 +14,7 @@ mod extremes;
 mod faults;
 mod names_last;
 mod plans;
+mod readers;
 mod running;
 #[cfg(target_os = "linux")]
 mod soak;

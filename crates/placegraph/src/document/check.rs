@@ -1,13 +1,20 @@
 //! What a `topology.json` is checked for before other code relies on it.
 
+use std::collections::BTreeSet;
+
 use super::{TopologyDocument, TopologyError};
 use crate::geom::Point2;
 use crate::grid::MapFrame;
 use crate::labels::Class;
-use crate::topology::{Connection, Place, PlaceId};
+use crate::text::is_printable;
+use crate::topology::{Connection, MAX_NAME_CHARS, Place, PlaceId};
 
 /// Points may lie this far outside of the grid: what rounding in any frame moves them.
 const MARGIN_CELLS: f64 = 1.0;
+/// Areas may differ from those of their cells by this much, relatively and in m²: documents round them.
+const AREA_ROUNDING: f64 = 1e-6;
+/// Longest name that is read: that of a class or one given by hand, with a number behind it.
+const MAX_NAME: usize = 2 * MAX_NAME_CHARS;
 
 /// Checks that the document does not contradict itself.
 pub(super) fn check(document: &TopologyDocument) -> Result<(), TopologyError> {
@@ -30,12 +37,20 @@ fn check_map(document: &TopologyDocument) -> Result<MapFrame, TopologyError> {
 
 fn check_places(document: &TopologyDocument) -> Result<(), TopologyError> {
     let mut previous = 0;
+    let mut names = BTreeSet::new();
     for place in &document.places {
         let PlaceId(found) = place.id;
         if found <= previous {
             return Err(TopologyError::PlaceOrder { previous, found });
         }
+        if place.id > PlaceId::MAX {
+            return Err(TopologyError::PlaceId { found });
+        }
         previous = found;
+        if !is_printable(&place.name, MAX_NAME) || !names.insert(place.name.as_str()) {
+            let name = place.name.chars().take(MAX_NAME).collect();
+            return Err(TopologyError::PlaceName { place: found, name });
+        }
         let has_class = |class: &Class| class.name == place.class && class.role == place.role;
         if !document.classes.classes().iter().any(has_class) {
             let role = format!("{:?}", place.role).to_lowercase();
@@ -43,8 +58,12 @@ fn check_places(document: &TopologyDocument) -> Result<(), TopologyError> {
         }
     }
     for place in &document.places {
+        let mut seen = BTreeSet::from([place.id]);
         for &side in place.doorway.iter().flat_map(|doorway| &doorway.sides) {
             check_id(document, side, || format!("the sides of place {}", place.id.0))?;
+            if !seen.insert(side) {
+                return Err(TopologyError::Sides { place: place.id.0, found: side.0 });
+            }
         }
     }
     Ok(())
@@ -93,6 +112,9 @@ impl Geometry<'_> {
     fn check(&self) -> Result<(), TopologyError> {
         // Every side of a cell bounds at most two places.
         let n_cells = u64::from(self.document.map.width) * u64::from(self.document.map.height);
+        if self.document.places.iter().map(|place| u64::from(place.n_cells)).sum::<u64>() > n_cells {
+            return Err(TopologyError::Cells { n_cells });
+        }
         let mut rows_left = 4.0 * n_cells as f64;
         for place in &self.document.places {
             self.check_place(place)?;
@@ -114,7 +136,14 @@ impl Geometry<'_> {
     fn check_place(&self, place: &Place) -> Result<(), TopologyError> {
         let of = |what: &str| format!("the {what} of place {}", place.id.0);
         measure(place.probability, || of("probability"))?;
+        if place.probability > 1.0 {
+            return Err(TopologyError::Probability { place: place.id.0, found: place.probability });
+        }
         measure(place.area_m2, || of("area"))?;
+        let expected = f64::from(place.n_cells) * self.frame.cell_area_m2();
+        if (place.area_m2 - expected).abs() > AREA_ROUNDING * expected + AREA_ROUNDING {
+            return Err(TopologyError::Area { place: place.id.0, expected, found: place.area_m2 });
+        }
         measure(place.clearance_m, || of("clearance"))?;
         measure(place.axes.major_m, || of("major axis"))?;
         measure(place.axes.minor_m, || of("minor axis"))?;
@@ -136,6 +165,16 @@ impl Geometry<'_> {
         if let Some(route) = &connection.route {
             measure(route.length_m, || of("length"))?;
             self.points(&route.line, || of("route"))?;
+            let straight_m = match route.line.as_slice() {
+                [] => f64::INFINITY,
+                [first, .., last] => first.distance(*last),
+                [_] => 0.0,
+            };
+            if route.length_m < straight_m - self.frame.resolution_m() {
+                let (a, b) = (connection.a.0, connection.b.0);
+                let (n_points, length_m) = (route.line.len(), route.length_m);
+                return Err(TopologyError::Route { a, b, n_points, length_m });
+            }
         }
         Ok(())
     }

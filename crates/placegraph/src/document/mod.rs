@@ -13,7 +13,7 @@ use crate::labels::LabelSet;
 use crate::model::sha256_hex;
 use crate::syntax::SyntaxError;
 use crate::topology::reach::GraphCheck;
-use crate::topology::{Connection, Doorway, Place, PolygonWithHoles, Route, TopologicalMap};
+use crate::topology::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
 
 /// What the member `format` of every document says.
 pub const FORMAT: &str = "placegraph-topology";
@@ -48,11 +48,14 @@ pub struct TopologyDocument {
     /// How good the graph is for the robot; absent where it was not checked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub graph: Option<GraphCheck>,
+    /// [`TopologicalMap::last_id`]; absent in documents from before there was one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub last_place_id: Option<PlaceId>,
     /// Wall time of the stages, in milliseconds. Empty where results must not differ between runs.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub timings_ms: BTreeMap<String, f64>,
     /// What was noticed about the input, in plain words.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub findings: Vec<String>,
     /// The formats that were asked for and cannot hold this map.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -187,6 +190,76 @@ pub enum TopologyError {
         /// Resolution found.
         resolution_m: f64,
     },
+    /// The map has more cells than allowed.
+    #[error("expected a document of a map of at most {max_cells} cells, found {width} x {height}")]
+    TooManyCells {
+        /// Columns found.
+        width: u32,
+        /// Rows found.
+        height: u32,
+        /// The limit.
+        max_cells: u64,
+    },
+    /// A place has a number that a region image cannot hold.
+    #[error("expected place ids up to {}, found {found}", PlaceId::MAX.0)]
+    PlaceId {
+        /// The id found.
+        found: u32,
+    },
+    /// Two places have one name, or a name cannot be printed.
+    #[error("expected a printable name of its own for every place, found {name:?} for place {place}")]
+    PlaceName {
+        /// The place.
+        place: u32,
+        /// Its name.
+        name: String,
+    },
+    /// A probability is above 1.
+    #[error("expected a probability up to 1 for place {place}, found {found}")]
+    Probability {
+        /// The place.
+        place: u32,
+        /// Its probability.
+        found: f64,
+    },
+    /// The area of a place is not that of its cells.
+    #[error("expected {expected} m² as the area of the cells of place {place}, found {found}")]
+    Area {
+        /// The place.
+        place: u32,
+        /// The area of its cells.
+        expected: f64,
+        /// The area found.
+        found: f64,
+    },
+    /// The places have more cells than the map.
+    #[error("expected places with {n_cells} cells at most, as the map has, found more")]
+    Cells {
+        /// Cells of the map.
+        n_cells: u64,
+    },
+    /// A doorway lists a side twice, or itself.
+    #[error("expected other places, each once, as the sides of place {place}, found {found}")]
+    Sides {
+        /// The doorway.
+        place: u32,
+        /// The side at fault.
+        found: u32,
+    },
+    /// A route has no point, or is shorter than the straight line between its ends.
+    #[error(
+        "expected a route of points and of their length for the connection {a} to {b}, found {n_points} points and {length_m} m"
+    )]
+    Route {
+        /// One end of the connection.
+        a: u32,
+        /// The other end.
+        b: u32,
+        /// Points found.
+        n_points: usize,
+        /// Length found.
+        length_m: f64,
+    },
     /// A measure is below 0 or no number.
     #[error("expected a number from 0 as {of}, found {found}")]
     Measure {
@@ -309,6 +382,7 @@ impl TopologyDocument {
             places: topology.places.iter().map(rounded_place).collect(),
             connections: topology.connections.iter().map(rounded_connection).collect(),
             graph: None,
+            last_place_id: Some(topology.last_id),
             timings_ms: BTreeMap::new(),
             findings: Vec::new(),
             skipped: Vec::new(),
@@ -320,7 +394,25 @@ impl TopologyDocument {
 
     /// The map that the document holds.
     pub fn topology(&self) -> TopologicalMap {
-        TopologicalMap { places: self.places.clone(), connections: self.connections.clone() }
+        let largest = self.places.last().map_or(PlaceId(0), |place| place.id);
+        TopologicalMap {
+            places: self.places.clone(),
+            connections: self.connections.clone(),
+            last_id: self.last_place_id.unwrap_or(largest),
+        }
+    }
+
+    /// Checks that the map has at most `max_cells` cells: what is made of a document may take memory for each.
+    ///
+    /// # Errors
+    /// If it has more.
+    pub fn check_size(&self, max_cells: u64) -> Result<(), TopologyError> {
+        let (width, height) = (self.map.width, self.map.height);
+        if u64::from(width) * u64::from(height) <= max_cells {
+            Ok(())
+        } else {
+            Err(TopologyError::TooManyCells { width, height, max_cells })
+        }
     }
 
     /// The document as text.

@@ -8,7 +8,7 @@
 pub struct DoorwayConfig {
     /// Narrowest doorway between its jambs, in meters. Default 0.6: chosen on generated buildings.
     pub min_width_m: f64,
-    /// Widest doorway between its jambs, in meters. Default 2.6: a wide double door.
+    /// Widest doorway between its jambs, in meters. Default 2: a double door.
     pub max_width_m: f64,
     /// Longest narrow part in the direction of passage, in meters. Default 0.8: a thick wall with its frame; what is
     /// longer is a corridor.
@@ -55,9 +55,6 @@ pub struct WalkConfig {
     pub near_m: f64,
     /// In the space behind it, in meters. Default 1.
     pub far_m: f64,
-    /// Both walks are at least so many widths of the gate long. Default 1.2: before a wide gate, a
-    /// shorter walk meets no clearance above the gate's.
-    pub per_width: f64,
     /// From where to where the labels of that space are read, in meters. Default 0.4 and 1.5.
     pub labels_m: [f64; 2],
 }
@@ -80,7 +77,7 @@ impl Default for DoorwayConfig {
     fn default() -> Self {
         Self {
             min_width_m: 0.6,
-            max_width_m: 2.6,
+            max_width_m: 2.0,
             max_depth_m: 0.8,
             margin_m: 0.2,
             max_speck_m: 0.4,
@@ -107,7 +104,7 @@ impl Default for DoorwayConfig {
 
 impl Default for WalkConfig {
     fn default() -> Self {
-        Self { near_m: 0.6, far_m: 1.0, per_width: 1.2, labels_m: [0.4, 1.5] }
+        Self { near_m: 0.6, far_m: 1.0, labels_m: [0.4, 1.5] }
     }
 }
 

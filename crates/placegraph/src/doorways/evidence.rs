@@ -26,11 +26,9 @@ impl Evidence<'_> {
     pub(super) fn is_doorway(&self, cleared: &CellGraph, clearance: &[u32], gate: &Gate) -> bool {
         let cells = |meters: f64| meters / self.resolution_m;
         let config = self.config;
-        // Before a wide gate the largest clearance that a short walk can meet is hardly larger than the gate.
-        let walk = |meters: f64| cells(meters).max(config.walks.per_width * gate.width);
         let walks = Walks {
-            near: walk(config.walks.near_m),
-            far: walk(config.walks.far_m),
+            near: cells(config.walks.near_m),
+            far: cells(config.walks.far_m),
             labels: config.walks.labels_m.map(cells).into(),
             bypass: cells(config.clear.min_bypass_m.max(config.plausible.min_bypass_m)),
         };

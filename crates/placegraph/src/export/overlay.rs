@@ -51,7 +51,7 @@ impl View {
 pub fn overlay_svg(topology: &TopologicalMap, label_set: &LabelSet, view: &View) -> String {
     let mut svg = String::new();
     let (doorways, others): (Vec<&Place>, Vec<&Place>) =
-        drawn_places(topology).into_iter().partition(|place| place.role == Role::Doorway);
+        topology.places.iter().partition(|place| place.role == Role::Doorway);
     for place in doorways.iter().chain(&others) {
         outline(&mut svg, place, label_set, view);
     }
@@ -68,17 +68,17 @@ pub fn overlay_svg(topology: &TopologicalMap, label_set: &LabelSet, view: &View)
     svg
 }
 
-/// The places that a picture shows: not the specks behind walls and inside furniture, which connect to
+/// The places that the report's page lists at once: not the specks behind walls and inside furniture, which connect to
 /// nothing and are smaller than [`SPECK_M2`].
-pub(super) fn drawn_places(topology: &TopologicalMap) -> Vec<&Place> {
+pub(super) fn listed_places(topology: &TopologicalMap) -> Vec<&Place> {
     let mut is_connected = vec![false; topology.places.len()];
     for id in topology.connections.iter().flat_map(|connection| [connection.a, connection.b]) {
         if let Ok(index) = topology.places.binary_search_by_key(&id, |place| place.id) {
             is_connected[index] = true;
         }
     }
-    let drawn = topology.places.iter().zip(is_connected);
-    drawn
+    let listed = topology.places.iter().zip(is_connected);
+    listed
         .filter(|(place, connected)| *connected || place.area_m2 >= SPECK_M2)
         .map(|(place, _)| place)
         .collect()

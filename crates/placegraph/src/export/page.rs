@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use super::canvas::{WALL, pastel};
-use super::overlay::{FONTS, INK, drawn_places, escaped, hex};
+use super::overlay::{FONTS, INK, escaped, hex};
 use crate::labels::{Label, LabelSet, Role};
 use crate::topology::TopologicalMap;
 
@@ -70,7 +70,7 @@ fn heading(title: &str, topology: &TopologicalMap, layout: &Layout) -> String {
         shown.pop();
         shown.push('…');
     }
-    let places = drawn_places(topology);
+    let places = &topology.places;
     let n_doorways = places.iter().filter(|place| place.role == Role::Doorway).count();
     let area_m2: f64 = places.iter().map(|place| place.area_m2).sum();
     let count = |n: usize, word: &str| format!("{n} {word}{}", if n == 1 { "" } else { "s" });

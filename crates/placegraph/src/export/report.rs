@@ -12,7 +12,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use serde_json::{Value, json};
 
 use super::ExportError;
-use super::overlay::drawn_places;
+use super::overlay::listed_places;
 use crate::geom::Point2;
 use crate::grid::{Grid, GridShape, Occupancy};
 use crate::labels::LabelSet;
@@ -54,8 +54,8 @@ pub struct ReportInput<'a> {
 pub fn report_html(input: &ReportInput<'_>) -> Result<String, ExportError> {
     let occupancy = input.occupancy.map(occupancy_picture).transpose()?;
     let probability = input.probability.map(probability_picture).transpose()?;
-    let drawn: BTreeSet<PlaceId> = drawn_places(input.map).iter().map(|place| place.id).collect();
-    let places = input.map.places.iter().map(|place| place_data(input, place, !drawn.contains(&place.id)));
+    let listed: BTreeSet<PlaceId> = listed_places(input.map).iter().map(|place| place.id).collect();
+    let places = input.map.places.iter().map(|place| place_data(input, place, !listed.contains(&place.id)));
     let data = json!({
         "title": input.title,
         "frame": input.frame_id,

@@ -132,9 +132,9 @@ pub(super) const FAMILIES: &[Family] = &[
     row(M::SdDifference, "A2", "f2_sd", "m", Power(1.0),
         "standard deviation of the difference of consecutive beams", "sd(Δ_i)"),
     row(M::MeanClippedDifference, "A3", "f3", "m", FixedLength,
-        "mean difference of consecutive beams cut at m meters", "mean(|c_i - c_{i+1}|), c_i = min(d_i, m)").with(CLIPS),
+        "mean difference of consecutive beams cut at x meters", "mean(|c_i - c_{i+1}|), c_i = min(d_i, x)").with(CLIPS),
     row(M::SdClippedDifference, "A4", "", "m", FixedLength,
-        "standard deviation of the difference of consecutive beams cut at m meters", "sd(|c_i - c_{i+1}|), c_i = min(d_i, m)").with(CLIPS),
+        "standard deviation of the difference of consecutive beams cut at x meters", "sd(|c_i - c_{i+1}|), c_i = min(d_i, x)").with(CLIPS),
     row(M::MeanLength, "A5", "f8", "m", Power(1.0),
         "mean beam length", "mean(d_i)"),
     row(M::SdLength, "A6", "f8_sd", "m", Power(1.0),
@@ -205,9 +205,9 @@ pub(super) const FAMILIES: &[Family] = &[
     row(M::DescriptorAxisRatio, "", "f19_2", "1", Invariant,
         "ratio of those axes, the same as B9", "|1 - q| / (1 + q)"),
     row(M::GapFraction, "", "f33", "1", FixedLength,
-        "fraction of gaps", "A7(g) / (n - 1)").with(GAPS),
+        "fraction of gaps over g meters", "A7(g) / (n - 1)").with(GAPS),
     row(M::RelativeGapFraction, "", "f34", "1", Invariant,
-        "fraction of relative gaps", "A15(q) / (n - 1)").with(RELATIONS),
+        "fraction of relative gaps below q", "A15(q) / (n - 1)").with(RELATIONS),
 ];
 
 /// The row of the invariant φ with this number, which grows with the given power of the scale.

@@ -69,6 +69,32 @@ pub fn registry() -> &'static [Feature] {
     &REGISTRY
 }
 
+impl Feature {
+    /// What it measures, with the value of its parameter in the place of the letter.
+    pub fn described(&self) -> String {
+        let Some(value) = self.parameter else { return self.description.to_owned() };
+        let stands_for = |word: &str| match word {
+            "x" | "g" | "q" => Some(value.to_string()),
+            "k-th" => Some(format!("{value}{}", ordinal_end(value))),
+            _ => None,
+        };
+        let words =
+            self.description.split(' ').map(|word| stands_for(word).unwrap_or_else(|| word.to_owned()));
+        words.collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// The ending of an ordinal number: 2nd, 3rd, 4th.
+fn ordinal_end(value: f64) -> &'static str {
+    match (value as u64 % 10, value as u64 % 100) {
+        (_, 11..=13) => "th",
+        (1, _) => "st",
+        (2, _) => "nd",
+        (3, _) => "rd",
+        _ => "th",
+    }
+}
+
 impl FeatureId {
     /// The feature called `name` in files.
     ///
@@ -160,6 +186,25 @@ mod tests {
         assert_eq!(old152().len(), 152);
         assert_eq!(lean120().len(), 120);
         assert_eq!(all().len(), 216);
+    }
+
+    #[test]
+    fn descriptions_are_unique_but_for_the_moments() {
+        let mut described: Vec<String> = registry().iter().map(Feature::described).collect();
+        let text = |name| FeatureId::from_name(name).unwrap().feature().described();
+        assert_eq!(text("A3(10)"), "mean difference of consecutive beams cut at 10 meters");
+        assert_eq!(text("A7(0.5)"), "number of gaps: consecutive beams that differ by more than 0.5 meters");
+        assert_eq!(text("B6(2)"), "magnitude of the 2nd Fourier descriptor of the boundary");
+        assert_eq!(
+            [1, 2, 3, 4, 11, 12, 13, 21, 22, 23].map(|n| ordinal_end(f64::from(n))),
+            ["st", "nd", "rd", "th", "th", "th", "th", "st", "nd", "rd"]
+        );
+        described.retain(|text| !text.starts_with("moment invariant"));
+        let n = described.len();
+        described.sort();
+        described.dedup();
+        // The standard deviation of two distances is called alike in B5 and B17 but for "over the largest".
+        assert_eq!(described.len(), n);
     }
 
     #[test]

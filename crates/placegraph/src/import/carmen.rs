@@ -6,7 +6,8 @@
 //! the probability of every cell, column by column from the lower left, −1 where nothing is known. Resolution
 //! and cells are 32-bit floats, or 64-bit ones in some forks: the size of the chunk tells.
 //!
-//! A file may go on after the grid with places and off-limits shapes, or with a stray byte; that is not read.
+//! A file may go on after the grid with places and off-limits shapes, or with a stray byte; of a gzipped file that is unpacked,
+//! so that its checksum is checked, but nothing is made of it.
 //! The global offset (type 64) is not applied: places and poses of CARMEN are in the grid's own frame.
 
 use std::io::{self, Read};
@@ -55,7 +56,16 @@ pub fn is_carmen(bytes: &[u8]) -> bool {
 /// more than `max_cells`, or a cell is neither a probability nor −1.
 pub fn parse(bytes: &[u8], max_cells: u64) -> Result<CarmenMap, MapError> {
     if bytes.starts_with(GZIP_MAGIC) {
-        parse_stream(&mut io::BufReader::new(MultiGzDecoder::new(bytes)), max_cells)
+        let mut stream = io::BufReader::new(MultiGzDecoder::new(bytes));
+        let map = parse_stream(&mut stream, max_cells)?;
+        // Length and checksum stand at the end of the stream.
+        let rest = io::copy(&mut stream.take(u64::from(MAX_OTHER_CHUNKS) + 1), &mut io::sink());
+        match rest.map_err(in_part("gzip stream"))? {
+            n if n > u64::from(MAX_OTHER_CHUNKS) => {
+                Err(MapError::CarmenSize { expected: "64 MiB of chunks behind the grid", found: n as i64 })
+            }
+            _ => Ok(map),
+        }
     } else {
         parse_stream(&mut &bytes[..], max_cells)
     }
@@ -247,6 +257,42 @@ mod tests {
             assert!(parse(&bytes[..n], 6).is_err(), "{n} bytes");
         }
         assert!(parse(&bytes[..end_of_grid], 6).is_ok());
+    }
+
+    #[test]
+    fn every_damage_of_a_gzip_stream_is_an_error() {
+        use flate2::{Compression, GzBuilder};
+        use std::io::Write;
+        // Stored blocks: no code of the compression notices a changed bit, only the checksum does.
+        let packed = |level| {
+            let mut packer = GzBuilder::new().write(Vec::new(), Compression::new(level));
+            packer.write_all(&narrow()).unwrap();
+            packer.finish().unwrap()
+        };
+        for level in [0, 6] {
+            let bytes = packed(level);
+            assert_eq!(parse(&bytes, 6).unwrap(), parse(&narrow(), 6).unwrap());
+            // The header's time, flags and system (bytes 4 to 9) say nothing of the data.
+            let mut n_unnoticed = 0;
+            for (at, bit) in (10..bytes.len()).flat_map(|at| (0..8).map(move |bit| (at, bit))) {
+                let mut damaged = bytes.clone();
+                damaged[at] ^= 1 << bit;
+                if let Ok(map) = parse(&damaged, 6) {
+                    assert_eq!(
+                        map.probabilities,
+                        parse(&bytes, 6).unwrap().probabilities,
+                        "bit {bit} of byte {at}"
+                    );
+                    n_unnoticed += 1;
+                }
+            }
+            // Bits that fill up a byte, or describe a code that is not used, say nothing.
+            assert!(n_unnoticed < 16, "level {level}: {n_unnoticed}");
+            for n in 0..bytes.len() {
+                assert!(parse(&bytes[..n], 6).is_err(), "level {level}, {n} bytes");
+            }
+            assert!(parse(&[&bytes[..], b"junk after it"].concat(), 6).is_err(), "level {level}");
+        }
     }
 
     #[test]

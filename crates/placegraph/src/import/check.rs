@@ -3,12 +3,13 @@
 //! Cost: a few passes over the cells. The rules are ours; their limits are constants with a reason each, and
 //! `tests/formats/import_check.rs` counts how often they are right on real maps and on spoiled copies of them.
 
+use std::f64::consts::TAU;
 use std::fmt;
 
 use serde::Serialize;
 
-use super::finding::{Finding, Severity};
-use super::shape::{clearance_cells, specks};
+use super::finding::Finding;
+use super::shape::{clearance_cells, for_each_free_area};
 use super::{Gray205, LoadedMap};
 use crate::grid::{Cell, Grid, Occupancy, OccupancyGrid};
 
@@ -28,6 +29,8 @@ pub struct Shares {
 pub struct MapCheck {
     /// Shares of the three states.
     pub shares: Shares,
+    /// Number of free areas of at least 0.25 m² that no free cells join, not even by a corner.
+    pub n_parts: u64,
     /// What was found, worst first.
     pub findings: Vec<Finding>,
 }
@@ -69,26 +72,32 @@ pub fn check(map: &LoadedMap) -> MapCheck {
     note(shares.free == 0.0, Finding::NoFreeCell);
     note(shares.occupied == 0.0, Finding::NoOccupiedCell);
     note(shares.unknown == 0.0, Finding::NoUnknownCell);
-    findings.extend(shape(&map.grid));
+    let (of_shape, n_parts) = shape(&map.grid);
+    findings.extend(of_shape);
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity()));
-    MapCheck { shares, findings }
+    MapCheck { shares, n_parts, findings }
 }
 
 /// What the way the map was read tells.
 fn reading(map: &LoadedMap) -> Vec<Finding> {
-    let how = &map.source.interpretation;
-    let (occupied_thresh, free_thresh) = (how.occupied_thresh, how.free_thresh);
+    let free_thresh = map.source.interpretation.free_thresh;
     let mut findings = Vec::new();
-    let in_range = |threshold| (0.0..=1.0).contains(&threshold);
-    if free_thresh >= occupied_thresh || !in_range(free_thresh) || !in_range(occupied_thresh) {
-        findings.push(Finding::Thresholds { occupied_thresh, free_thresh });
+    findings.extend(map.source.replaced_image.clone().map(Finding::ReplacedImage));
+    let yaw_rad = map.grid.frame.map_from_grid().yaw_rad;
+    if yaw_rad.abs() > TAU {
+        findings.push(Finding::YawInDegrees { yaw_rad });
     }
     let n_cells = map.source.gray_205_cells;
-    let share = n_cells as f64 / map.grid.cells.values().len() as f64;
+    let share_of = |n: u64| n as f64 / map.grid.cells.values().len() as f64;
+    let share = share_of(n_cells);
     match map.source.gray_205 {
         _ if n_cells == 0 => {}
         Gray205::Unknown => findings.push(Finding::Gray205Unknown { n_cells, share, free_thresh }),
         Gray205::AsFile => findings.push(Finding::Gray205Free { n_cells, share, free_thresh }),
+    }
+    let n_cells = map.source.blended_cells;
+    if n_cells > 0 {
+        findings.push(Finding::Smoothed { n_cells, share: share_of(n_cells) });
     }
     if map.source.transparent_cells > 0 {
         findings.push(Finding::Transparent { n_cells: map.source.transparent_cells });
@@ -96,8 +105,8 @@ fn reading(map: &LoadedMap) -> Vec<Finding> {
     findings
 }
 
-/// What the shape of the free and the occupied areas tells.
-fn shape(map: &OccupancyGrid) -> Vec<Finding> {
+/// What the shape of the free and the occupied areas tells, and in how many parts the free space is.
+fn shape(map: &OccupancyGrid) -> (Vec<Finding>, u64) {
     let mut findings = Vec::new();
     let resolution_m = map.frame.resolution_m();
     let free = clearance_cells(&map.cells, Occupancy::Free);
@@ -108,19 +117,70 @@ fn shape(map: &OccupancyGrid) -> Vec<Finding> {
             findings.push(Finding::Inverted { wide_free, wide_occupied });
         }
     }
-    findings.extend(implausible_resolution(&free, resolution_m));
+    let cell_area_m2 = map.frame.cell_area_m2();
+    let areas = FreeAreas::new(&map.cells, &free, SPECK_M2 / cell_area_m2);
+    findings.extend(implausible_resolution(areas.largest, resolution_m));
     let (right, top) = (free.width() - 1, free.height() - 1);
     let on_border = |cell: &Cell| cell.x == 0 || cell.y == 0 || cell.x == right || cell.y == top;
     let n_border = free.cells().filter(on_border).filter(|&cell| free[cell] > 0).count();
     if n_border > 0 {
         findings.push(Finding::OpenToBorder { n_cells: n_border as u64 });
     }
-    let cell_area_m2 = map.frame.cell_area_m2();
-    let (n_specks, n_cells) = specks(&map.cells, SPECK_M2 / cell_area_m2);
-    if n_specks >= MIN_SPECKS {
-        findings.push(Finding::Specks { n_specks, area_m2: n_cells as f64 * cell_area_m2 });
+    if areas.n_specks >= MIN_SPECKS {
+        let area_m2 = areas.n_speck_cells as f64 * cell_area_m2;
+        findings.push(Finding::Specks { n_specks: areas.n_specks, area_m2 });
     }
-    findings
+    (findings, areas.n_parts)
+}
+
+/// The areas of free cells that touch one another, by corners too.
+struct FreeAreas {
+    /// Those smaller than a robot.
+    n_specks: u64,
+    /// Cells in them.
+    n_speck_cells: u64,
+    /// The others.
+    n_parts: u64,
+    largest: LargestArea,
+}
+
+/// The area of most cells.
+#[derive(Default)]
+struct LargestArea {
+    /// Its clearances in cells, in no order.
+    distances: Vec<u16>,
+    /// Columns and rows of its bounding box.
+    extent_cells: [u32; 2],
+}
+
+impl FreeAreas {
+    fn new(cells: &Grid<Occupancy>, clearance: &Grid<u16>, min_cells: f64) -> Self {
+        let mut found = Self { n_specks: 0, n_speck_cells: 0, n_parts: 0, largest: LargestArea::default() };
+        for_each_free_area(cells, |area| {
+            if (area.len() as f64) < min_cells {
+                found.n_specks += 1;
+                found.n_speck_cells += area.len() as u64;
+            } else {
+                found.n_parts += 1;
+            }
+            if area.len() > found.largest.distances.len() {
+                found.largest = LargestArea {
+                    distances: area.iter().map(|&index| clearance.values()[index as usize]).collect(),
+                    extent_cells: extent_cells(area, cells.width()),
+                };
+            }
+        });
+        found
+    }
+}
+
+/// Columns and rows of the bounding box of `area`, row-major indices of a grid so many columns wide.
+fn extent_cells(area: &[u32], width: u32) -> [u32; 2] {
+    let span = |position: &dyn Fn(u32) -> u32| {
+        let positions = || area.iter().map(|&index| position(index));
+        positions().max().unwrap_or(0) + 1 - positions().min().unwrap_or(0)
+    };
+    [span(&|index| index % width), span(&|index| index / width)]
 }
 
 /// Share of the cells of a state that are farther than a robot's radius, and than one cell, from all others.
@@ -131,12 +191,13 @@ fn wide_share(clearance: &Grid<u16>, resolution_m: f64) -> f64 {
     if n_cells == 0 { 0.0 } else { n_wide as f64 / n_cells as f64 }
 }
 
-fn implausible_resolution(clearance: &Grid<u16>, resolution_m: f64) -> Option<Finding> {
-    let mut distances: Vec<u16> = clearance.values().iter().copied().filter(|&d| d > 0).collect();
+/// Judged by the largest area alone: specks around a map say nothing of its scale.
+fn implausible_resolution(area: LargestArea, resolution_m: f64) -> Option<Finding> {
+    let LargestArea { mut distances, extent_cells } = area;
     let largest = f64::from(*distances.iter().max()?);
     let middle = distances.len() / 2;
     let median = f64::from(*distances.select_nth_unstable(middle).1);
-    let extent_m = extent_cells(clearance)?.map(|cells| f64::from(cells) * resolution_m);
+    let extent_m = extent_cells.map(|cells| f64::from(cells) * resolution_m);
     let (median_clearance_m, largest_clearance_m) = (median * resolution_m, largest * resolution_m);
     let extent = extent_m[0].max(extent_m[1]);
     let too_small = extent < MIN_EXTENT_M || median_clearance_m < MIN_MEDIAN_CLEARANCE_M;
@@ -151,34 +212,16 @@ fn implausible_resolution(clearance: &Grid<u16>, resolution_m: f64) -> Option<Fi
     })
 }
 
-/// Columns and rows from the first to the last cell above 0.
-fn extent_cells(clearance: &Grid<u16>) -> Option<[u32; 2]> {
-    let span = |positions: &mut dyn Iterator<Item = u32>| {
-        let ends = positions.fold((u32::MAX, 0), |(low, high), at| (low.min(at), high.max(at)));
-        (ends.1 + 1).checked_sub(ends.0)
-    };
-    let set = || clearance.cells().filter(|&cell| clearance[cell] > 0);
-    Some([span(&mut set().map(|cell| cell.x))?, span(&mut set().map(|cell| cell.y))?])
+impl fmt::Display for Shares {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [free, occupied, unknown] = [self.free, self.occupied, self.unknown].map(|share| 100.0 * share);
+        write!(f, "free {free:.1} %, occupied {occupied:.1} %, unknown {unknown:.1} %")
+    }
 }
 
 impl fmt::Display for MapCheck {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Shares { free, occupied, unknown } = self.shares;
-        write!(
-            f,
-            "free {:.1} %, occupied {:.1} %, unknown {:.1} %",
-            100.0 * free,
-            100.0 * occupied,
-            100.0 * unknown
-        )?;
-        for finding in &self.findings {
-            let severity = match finding.severity() {
-                Severity::Info => "note",
-                Severity::Warning => "warning",
-                Severity::Error => "error",
-            };
-            write!(f, "\n{severity}: {finding}")?;
-        }
-        Ok(())
+        write!(f, "{}", self.shares)?;
+        self.findings.iter().try_for_each(|finding| write!(f, "\n{}: {finding}", finding.severity()))
     }
 }

@@ -31,8 +31,8 @@ pub enum MapError {
     },
     /// The YAML does not parse, lacks a key, or a value has another type.
     #[error(
-        "expected a map_server YAML (image, resolution, origin, negate, occupied_thresh, free_thresh): \
-         line {line}, column {column}: {message}"
+        "expected a map_server YAML (image, resolution, origin, negate, occupied_thresh, free_thresh): {}{message}",
+        place(*line, *column)
     )]
     Yaml {
         /// What the parser says.
@@ -68,23 +68,43 @@ pub enum MapError {
         /// The value found.
         found: f64,
     },
+    /// The thresholds leave no room between free and occupied, or are no probabilities.
+    #[error(
+        "free_thresh {free_thresh} must be below occupied_thresh {occupied_thresh}, both from 0 to 1: programs \
+         disagree about what such thresholds mean; map savers write 0.196 and 0.65"
+    )]
+    Thresholds {
+        /// Occupied from here on.
+        occupied_thresh: f64,
+        /// Free up to here.
+        free_thresh: f64,
+    },
     /// Resolution or origin cannot georeference a grid.
     #[error(transparent)]
     Frame(#[from] FrameError),
     /// A file names another one outside its own folder.
     #[error(
-        "expected a file inside the folder of the one that names it, found {name}: correct the path, \
-         or allow files anywhere (--allow-outside)"
+        "{name} does not lie in the folder of the file that names it{}",
+        if beside.is_empty() {
+            ": correct the path, relative to that folder".to_owned()
+        } else {
+            format!(", but {} lies there: write the name of the right one", beside.join(" or "))
+        }
     )]
     Outside {
         /// The path as named.
         name: String,
+        /// Names of files in the folder that may be meant.
+        beside: Vec<String>,
     },
-    /// A file names something that is no file: a folder, a pipe, a device.
-    #[error("expected a file, found a folder or a device")]
-    NoFile,
+    /// Not a regular file: a folder, a pipe, a device.
+    #[error("expected a regular file, found {found}")]
+    NoFile {
+        /// What it is.
+        found: &'static str,
+    },
     /// A file was written to, or cut off, while it was read.
-    #[error("expected a file that stays as it is, found one that changed while it was read: try again")]
+    #[error("the file changed while it was being read: try again")]
     Changed,
     /// The image that the YAML names cannot be read.
     #[error("cannot read the image {}: {error}", image.display())]
@@ -95,7 +115,7 @@ pub enum MapError {
         error: Box<MapError>,
     },
     /// The bytes are no image of a kind that is read.
-    #[error("expected a PNG or PNM (PGM, PBM, PPM) image, found {found}")]
+    #[error("expected a PNG, BMP or PNM (PGM, PBM, PPM) image, found {found}")]
     ImageFormat {
         /// What they look like.
         found: &'static str,
@@ -125,7 +145,7 @@ pub enum MapError {
         max_cells: u64,
     },
     /// The system does not give the memory that reading a map of this size takes.
-    #[error("expected {n_bytes} bytes of memory for {width} x {height} cells, found less")]
+    #[error("not enough memory: reading {width} x {height} cells needs {n_bytes} bytes")]
     Memory {
         /// Columns.
         width: u64,
@@ -135,8 +155,23 @@ pub enum MapError {
         n_bytes: u64,
     },
     /// An image without YAML, and no resolution was given.
-    #[error("an image alone has no scale: give its meters per pixel (--resolution)")]
-    NoResolution,
+    #[error(
+        "an image alone has no scale: {}",
+        yaml.as_ref().map_or_else(
+            || "give its meters per pixel".to_owned(),
+            |yaml| format!("read {yaml}, which lies beside it, or give its meters per pixel")
+        )
+    )]
+    NoResolution {
+        /// Name of a YAML file beside the image that is called like it.
+        yaml: Option<String>,
+    },
+    /// The bytes are JSON, but not of a Valetudo map.
+    #[error("expected the JSON of a Valetudo map: {message}")]
+    Valetudo {
+        /// What is wrong.
+        message: String,
+    },
     /// The CARMEN tag does not stand where the comments end.
     #[error("expected CARMENMAPFILEv020 after the comments, found {found:?}")]
     CarmenTag {
@@ -197,7 +232,20 @@ pub fn has_memory(n_bytes: u64) -> bool {
     is_given
 }
 
+/// Where a parser stopped, in words; nothing if it does not know.
+fn place(line: u64, column: u64) -> String {
+    if line == 0 { String::new() } else { format!("line {line}, column {column}: ") }
+}
+
 impl MapError {
+    /// What is wrong, without the files that it is in.
+    pub fn cause(&self) -> &Self {
+        match self {
+            Self::InFile { error, .. } | Self::ImageFile { error, .. } => error.cause(),
+            other => other,
+        }
+    }
+
     /// The same error, with the file it is in.
     pub(super) fn in_file(self, path: &std::path::Path) -> Self {
         Self::InFile { error: Box::new(self), path: path.to_owned() }

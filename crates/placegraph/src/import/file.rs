@@ -2,10 +2,10 @@
 //! lie in.
 
 use std::fs::{self, File, Metadata};
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-use super::{MapError, carmen, image};
+use super::{MapError, carmen, image, valetudo};
 
 /// Largest YAML or TOML file that is read, in bytes.
 pub const MAX_TEXT_BYTES: u64 = 1 << 20;
@@ -34,7 +34,7 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, MapError> {
     read_with(path, |_| Ok(max_bytes))
 }
 
-/// Reads the file at `path` that holds an image or a CARMEN map of at most `max_cells` cells.
+/// Reads the file at `path` that holds an image, a CARMEN map or a Valetudo map of at most `max_cells` cells.
 ///
 /// # Errors
 /// If it cannot be read, changes meanwhile, or is larger than such a file can be. An image with too many pixels is
@@ -47,6 +47,7 @@ pub fn read_cells(path: &Path, max_cells: u64) -> Result<Vec<u8>, MapError> {
             Ok(max_bytes(width * height))
         }
         None if carmen::is_carmen(head) => Ok(max_bytes(max_cells)),
+        None if valetudo::is_json(head) => Ok(valetudo::MAX_BYTES),
         // No header that is read: the decoder says what is wrong, whatever follows.
         None => image::decode(head, max_cells).map(|_| OVERHEAD_BYTES),
     })
@@ -55,10 +56,10 @@ pub fn read_cells(path: &Path, max_cells: u64) -> Result<Vec<u8>, MapError> {
 /// Reads the file at `path`, of at most so many bytes as `max_bytes` allows for its first ones.
 fn read_with(path: &Path, max_bytes: impl Fn(&[u8]) -> Result<u64, MapError>) -> Result<Vec<u8>, MapError> {
     let io = |error| MapError::Io { error };
-    let mut file = File::open(path).map_err(io)?;
+    let mut file = open(path).map_err(io)?;
     let before = file.metadata().map_err(io)?;
-    if before.is_dir() {
-        return Err(MapError::NoFile);
+    if !(before.is_file() || is_handed_over(path) && is_pipe(&before)) {
+        return Err(MapError::NoFile { found: kind(&before) });
     }
     let mut bytes = Vec::new();
     file.by_ref().take(HEAD_BYTES).read_to_end(&mut bytes).map_err(io)?;
@@ -79,6 +80,40 @@ fn read_with(path: &Path, max_bytes: impl Fn(&[u8]) -> Result<u64, MapError>) ->
     Ok(bytes)
 }
 
+/// Opens a file without waiting for anybody: a pipe without a writer would let the program hang.
+fn open(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    options.read(true);
+    #[cfg(unix)]
+    if !is_handed_over(path) {
+        std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NONBLOCK);
+    }
+    options.open(path)
+}
+
+/// Whether `path` names an open file of this very process: standard input, or what a shell put there for `<(command)`.
+fn is_handed_over(path: &Path) -> bool {
+    path == Path::new("/dev/stdin") || path.starts_with("/dev/fd") || path.starts_with("/proc/self/fd")
+}
+
+fn is_pipe(metadata: &Metadata) -> bool {
+    kind(metadata) == PIPE
+}
+
+const PIPE: &str = "a pipe";
+
+/// What something is that is no regular file, in words.
+fn kind(metadata: &Metadata) -> &'static str {
+    if metadata.is_dir() {
+        return "a folder";
+    }
+    #[cfg(unix)]
+    if std::os::unix::fs::FileTypeExt::is_fifo(&metadata.file_type()) {
+        return PIPE;
+    }
+    "a device or a socket"
+}
+
 fn has_changed(before: &Metadata, after: &Metadata, n_read: u64) -> bool {
     before.len() != n_read || after.len() != n_read || before.modified().ok() != after.modified().ok()
 }
@@ -93,7 +128,8 @@ fn has_changed(before: &Metadata, after: &Metadata, n_read: u64) -> bool {
 pub fn named_file(by: &Path, name: &str, allowed: NamedFiles) -> Result<PathBuf, MapError> {
     let folder = by.parent().unwrap_or(Path::new(""));
     let path = folder.join(name);
-    let outside = || MapError::Outside { name: name.to_owned() };
+    let outside =
+        || MapError::Outside { name: name.to_owned(), beside: namesake(by, name).into_iter().collect() };
     let real = match fs::canonicalize(&path) {
         Ok(real) => real,
         // Nothing is there: opening it says so, unless one should not even look.
@@ -108,10 +144,16 @@ pub fn named_file(by: &Path, name: &str, allowed: NamedFiles) -> Result<PathBuf,
             return Err(outside());
         }
     }
-    if !real.is_file() {
-        return Err(MapError::NoFile);
-    }
-    Ok(real)
+    let metadata = fs::metadata(&real).map_err(|error| MapError::Io { error })?;
+    if metadata.is_file() { Ok(real) } else { Err(MapError::NoFile { found: kind(&metadata) }) }
+}
+
+/// The last part of the path `name`, if a file of that name lies in the folder of the file at `by`. `name` may have been
+/// written on another machine, with backslashes, as an address, or from a home folder.
+pub fn namesake(by: &Path, name: &str) -> Option<String> {
+    let last = name.rsplit(['/', '\\']).next().filter(|last| !matches!(*last, "" | "." | ".."))?;
+    let is_beside = || named_file(by, last, NamedFiles::Inside).is_ok_and(|path| path.is_file());
+    (last != name && is_beside()).then(|| last.to_owned())
 }
 
 /// Whether a path goes down only.
@@ -121,6 +163,8 @@ fn is_plain(path: &Path) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::time::SystemTime;
+
     use super::*;
 
     fn folder(name: &str) -> PathBuf {
@@ -144,8 +188,57 @@ mod tests {
             });
             assert!(matches!(read, Err(MapError::Changed)), "{} bytes: {read:?}", after.len());
         }
+        let read_while_another_has_its_length = read_with(&path, |_| {
+            fs::write(&path, vec![b'y'; long.len()]).unwrap();
+            // The clock of the file system may be too coarse to tell.
+            File::options().write(true).open(&path).unwrap().set_modified(SystemTime::UNIX_EPOCH).unwrap();
+            Ok(1 << 20)
+        });
+        assert!(matches!(read_while_another_has_its_length, Err(MapError::Changed)));
         fs::write(&path, &long).unwrap();
         assert_eq!(read(&path, 1 << 20).unwrap(), long);
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_regular_file_is_refused_and_not_waited_for() {
+        let folder = folder("kinds");
+        let pipe = folder.join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let socket = folder.join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        for (path, expected) in [(pipe.as_path(), "a pipe"), (Path::new("/dev/zero"), "a device or a socket")]
+        {
+            let cells = read_cells(path, 100);
+            for found in [read(path, 100), cells] {
+                assert!(matches!(found, Err(MapError::NoFile { found }) if found == expected), "{path:?}");
+            }
+        }
+        assert!(read(&socket, 100).is_err());
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
+    fn namesakes_of_paths_from_other_machines_are_found_beside() {
+        let folder = folder("namesakes");
+        let yaml = folder.join("maps/map.yaml");
+        fs::write(folder.join("maps/map.pgm"), "").unwrap();
+        let foreign = [
+            "/home/someone/map.pgm",
+            "~/map.pgm",
+            "file:///home/someone/map.pgm",
+            "package://maps/map.pgm",
+            r"C:\maps\map.pgm",
+            r"maps\map.pgm",
+            "../map.pgm",
+        ];
+        for name in foreign {
+            assert_eq!(namesake(&yaml, name).as_deref(), Some("map.pgm"), "{name}");
+        }
+        for name in ["map.pgm", "/home/someone/other.pgm", "..", "/", "below", "/home/below"] {
+            assert_eq!(namesake(&yaml, name), None, "{name}");
+        }
         fs::remove_dir_all(&folder).unwrap();
     }
 
@@ -156,7 +249,7 @@ mod tests {
         fs::write(&path, [0; 11]).unwrap();
         assert!(matches!(read(&path, 10), Err(MapError::FileTooLarge { max_bytes: 10 })));
         assert_eq!(read(&path, 11).unwrap().len(), 11);
-        assert!(matches!(read(&folder, 10), Err(MapError::NoFile)));
+        assert!(matches!(read(&folder, 10), Err(MapError::NoFile { found: "a folder" })));
         // A header is enough; what follows it is not read. The file has holes, not bytes.
         let mut header = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR".to_vec();
         header.extend(100_000u32.to_be_bytes());
@@ -212,7 +305,8 @@ mod tests {
             assert!(named_file(&yaml, &name, NamedFiles::Anywhere).is_ok(), "{name}");
         }
         for name in ["/dev/zero", "..", "below"] {
-            assert!(matches!(named_file(&yaml, name, NamedFiles::Anywhere), Err(MapError::NoFile)), "{name}");
+            let found = named_file(&yaml, name, NamedFiles::Anywhere);
+            assert!(matches!(found, Err(MapError::NoFile { .. })), "{name}: {found:?}");
         }
         let installed = install.join("map.yaml");
         assert!(

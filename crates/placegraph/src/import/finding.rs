@@ -4,6 +4,7 @@ use std::fmt;
 
 use serde::Serialize;
 
+use super::ReplacedImage;
 use super::check::SPECK_M2;
 
 /// How bad a finding is.
@@ -18,20 +19,23 @@ pub enum Severity {
     Error,
 }
 
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Info => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        })
+    }
+}
+
 /// One thing that the check found. `Display` says what it means and what to do.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "finding", rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum Finding {
     /// No cell is free.
     NoFreeCell,
-    /// The thresholds leave no room between free and occupied, or do not lie in 0..=1.
-    Thresholds {
-        /// Occupied from here on.
-        occupied_thresh: f64,
-        /// Free up to here.
-        free_thresh: f64,
-    },
     /// Gray 205 is free by the letter of the file, and was taken as unknown.
     Gray205Unknown {
         /// Cells of this gray.
@@ -66,17 +70,31 @@ pub enum Finding {
     Resolution {
         /// Meters per cell.
         resolution_m: f64,
-        /// Width and height of the free cells' bounding box, in meters.
+        /// Width and height of the largest free area's bounding box, in meters.
         extent_m: [f64; 2],
-        /// Half of the free cells are this far from all others, in meters.
+        /// Half of its cells are this far from all others, in meters.
         median_clearance_m: f64,
-        /// The farthest free cell is this far from all others, in meters.
+        /// Its farthest cell is this far from all others, in meters.
         largest_clearance_m: f64,
     },
     /// No cell is occupied: beams end at unknown cells only.
     NoOccupiedCell,
     /// No cell is unknown.
     NoUnknownCell,
+    /// The image that the YAML names is not there; one of the same name beside the YAML was read.
+    ReplacedImage(ReplacedImage),
+    /// The yaw of the origin is more than a full turn, as if it were in degrees.
+    YawInDegrees {
+        /// The yaw as written, taken as radians.
+        yaw_rad: f64,
+    },
+    /// The picture was smoothed: most grays that no saver writes lie between those of their neighbors.
+    Smoothed {
+        /// How many pixels do.
+        n_cells: u64,
+        /// Their share of all pixels.
+        share: f64,
+    },
     /// Pixels that are not opaque were read as unknown.
     Transparent {
         /// How many.
@@ -96,14 +114,17 @@ impl Finding {
     pub const fn severity(&self) -> Severity {
         match self {
             Self::NoFreeCell => Severity::Error,
-            Self::Thresholds { .. }
-            | Self::Gray205Unknown { .. }
+            Self::Gray205Unknown { .. }
             | Self::Gray205Free { .. }
             | Self::Inverted { .. }
             | Self::OpenToBorder { .. }
             | Self::Resolution { .. }
+            | Self::ReplacedImage(_)
+            | Self::YawInDegrees { .. }
             | Self::NoOccupiedCell => Severity::Warning,
-            Self::NoUnknownCell | Self::Transparent { .. } | Self::Specks { .. } => Severity::Info,
+            Self::NoUnknownCell | Self::Smoothed { .. } | Self::Transparent { .. } | Self::Specks { .. } => {
+                Severity::Info
+            }
         }
     }
 }
@@ -114,28 +135,23 @@ impl fmt::Display for Finding {
             Self::NoFreeCell => {
                 write!(f, "no cell is free: check mode, negate and the thresholds in the YAML file")
             }
-            Self::Thresholds { occupied_thresh, free_thresh } => write!(
-                f,
-                "free_thresh {free_thresh} should be below occupied_thresh {occupied_thresh}, both from 0 to 1: \
-                 where they cross, cells count as free; map savers write 0.196 and 0.65"
-            ),
             Self::Gray205Unknown { n_cells, share, free_thresh } => write!(
                 f,
                 "gray 205 ({n_cells} cells, {:.1} %) is what map savers write for unknown, but free_thresh \
                  {free_thresh} would make it free: it was read as unknown; write free_thresh: 0.196 into the \
-                 YAML file, or, if these cells are free indeed, use --gray-205 as-file",
+                 YAML file, or, if these cells really are free, trust its thresholds",
                 100.0 * share
             ),
             Self::Gray205Free { n_cells, share, free_thresh } => write!(
                 f,
                 "gray 205 ({n_cells} cells, {:.1} %) was read as free, as free_thresh {free_thresh} says; map \
-                 savers write it for unknown, and then beams run through unexplored space: leave out \
-                 --gray-205 as-file to read it as unknown",
+                 savers write it for unknown, and then beams run through unexplored space: do not trust the \
+                 thresholds, and it is read as unknown",
                 100.0 * share
             ),
             Self::Inverted { wide_free, wide_occupied } => write!(
                 f,
-                "free and occupied look exchanged: only {:.0} % of the free cells are wider than a robot, but \
+                "free and occupied look swapped: only {:.0} % of the free cells are wider than a robot, but \
                  {:.0} % of the occupied ones; check negate in the YAML file (white is free when it is 0)",
                 100.0 * wide_free,
                 100.0 * wide_occupied
@@ -153,9 +169,9 @@ impl fmt::Display for Finding {
             } => {
                 write!(
                     f,
-                    "with {resolution_m} m per cell the free space spans {width:.1} m x {height:.1} m, half of \
+                    "with {resolution_m} m per cell the largest free area spans {width:.1} m x {height:.1} m, half of \
                      it is within {median_clearance_m:.2} m of a wall and the widest spot {largest_clearance_m:.1} \
-                     m from one, which is hardly a building: correct the resolution (--resolution)"
+                     m from one, which is hardly a building: correct the resolution"
                 )
             }
             Self::NoOccupiedCell => write!(
@@ -163,6 +179,24 @@ impl fmt::Display for Finding {
                 "no cell is occupied: check the thresholds in the YAML file; beams will end at unknown cells only"
             ),
             Self::NoUnknownCell => write!(f, "no cell is unknown: all that is not free counts as wall"),
+            Self::ReplacedImage(ReplacedImage { ref named, ref read }) => write!(
+                f,
+                "the YAML file names the image {named}, which is not there; {read} beside it was read: write image: \
+                 {read} if that is the one"
+            ),
+            Self::YawInDegrees { yaw_rad } => write!(
+                f,
+                "the yaw of the origin, {yaw_rad}, is more than a full turn: map_server and this program take it as \
+                 radians; if it is meant in degrees, write {:.6}",
+                yaw_rad.to_radians()
+            ),
+            Self::Smoothed { n_cells, share } => write!(
+                f,
+                "{n_cells} pixels ({:.1} %) have a gray between those of their neighbors, as in a picture that was \
+                 turned or scaled with smoothing: walls get gaps, and halos that read as free; make the picture again \
+                 without interpolation (nearest neighbor)",
+                100.0 * share
+            ),
             Self::Transparent { n_cells } => {
                 write!(f, "{n_cells} cells are transparent in the image and were read as unknown or dimmed")
             }

@@ -1,11 +1,12 @@
-//! PNG and PNM images to samples, whatever their color type.
+//! PNG, BMP and PNM images to samples, whatever their color type.
 //!
 //! Palettes and depths below 8 bits are expanded, PNM samples scaled from their maximum. Cost: one pass.
 
 use std::io::Cursor;
 
+use image::codecs::bmp::BmpDecoder;
 use image::codecs::png::PngDecoder;
-use image::codecs::pnm::PnmDecoder;
+use image::codecs::pnm::{PnmDecoder, PnmSubtype, SampleEncoding};
 use image::{ColorType, ImageDecoder, ImageError, ImageFormat, Limits};
 
 use super::MapError;
@@ -86,15 +87,16 @@ pub(super) fn declared_size(head: &[u8]) -> Option<(u64, u64)> {
             (side(16)?, side(20)?)
         }
         ImageFormat::Pnm => PnmDecoder::new(Cursor::new(head)).ok()?.dimensions(),
+        ImageFormat::Bmp => BmpDecoder::new(Cursor::new(head)).ok()?.dimensions(),
         _ => return None,
     };
     Some((width.into(), height.into()))
 }
 
-/// Decodes `bytes`, whose first bytes tell PNG from PNM.
+/// Decodes `bytes`, whose first bytes tell PNG, BMP and PNM apart.
 ///
 /// # Errors
-/// If the bytes are neither, the image is damaged or has no pixel, or it has more than `max_cells` pixels
+/// If the bytes are none of them, the image is damaged or has no pixel, or it has more than `max_cells` pixels
 /// (found from the header, before memory is taken).
 pub fn decode(bytes: &[u8], max_cells: u64) -> Result<Raster, MapError> {
     let cursor = Cursor::new(bytes);
@@ -113,7 +115,11 @@ pub fn decode(bytes: &[u8], max_cells: u64) -> Result<Raster, MapError> {
             limits.max_alloc = Some(n_pixels.saturating_mul(8).saturating_add(1 << 20));
             read(PngDecoder::with_limits(cursor, limits), max_cells)
         }
-        Ok(ImageFormat::Pnm) => read(PnmDecoder::new(cursor), max_cells),
+        Ok(ImageFormat::Pnm) => {
+            check_maximum(bytes)?;
+            read(PnmDecoder::new(cursor), max_cells)
+        }
+        Ok(ImageFormat::Bmp) => read(BmpDecoder::new(cursor), max_cells),
         Ok(other) => Err(MapError::ImageFormat { found: name(other) }),
         Err(_) if bytes.is_empty() => Err(MapError::ImageFormat { found: "an empty file" }),
         Err(_) if is_text(bytes) => Err(MapError::ImageFormat { found: "text" }),
@@ -135,6 +141,38 @@ fn check_palette(png: &[u8]) -> Result<(), MapError> {
         rest = after.get(n_bytes.saturating_add(4)..).unwrap_or_default();
     }
     Ok(())
+}
+
+/// Samples of a PNM above the maximum that it declares: the decoder would take them for the maximum, white for gray.
+fn check_maximum(pnm: &[u8]) -> Result<(), MapError> {
+    // What is wrong with a header, the decoder says.
+    let Ok(decoder) = PnmDecoder::new(Cursor::new(pnm)) else { return Ok(()) };
+    let n_samples = decoder.total_bytes();
+    let (cursor, header) = decoder.into_inner();
+    let (maximum, is_bitmap) = (header.maximal_sample(), matches!(header.subtype(), PnmSubtype::Bitmap(_)));
+    if is_bitmap || matches!(maximum, 255 | 65_535) {
+        return Ok(());
+    }
+    let data = pnm.get(cursor.position() as usize..).unwrap_or_default();
+    let is_ascii = matches!(
+        header.subtype(),
+        PnmSubtype::Graymap(SampleEncoding::Ascii) | PnmSubtype::Pixmap(SampleEncoding::Ascii)
+    );
+    let largest = if is_ascii {
+        let tokens = data.split(u8::is_ascii_whitespace).filter_map(|token| std::str::from_utf8(token).ok());
+        tokens.filter_map(|token| token.parse().ok()).max()
+    } else if maximum < 256 {
+        data.iter().take(n_samples as usize).map(|&sample| u32::from(sample)).max()
+    } else {
+        let pairs = data.as_chunks::<2>().0.iter().take(n_samples as usize / 2);
+        pairs.map(|&pair| u32::from(u16::from_be_bytes(pair))).max()
+    };
+    match largest {
+        Some(found) if found > maximum => Err(MapError::ImageData {
+            message: format!("a sample of {found} above its maximum of {maximum}"),
+        }),
+        _ => Ok(()),
+    }
 }
 
 fn read<D: ImageDecoder>(decoder: Result<D, ImageError>, max_cells: u64) -> Result<Raster, MapError> {
@@ -167,7 +205,6 @@ fn read<D: ImageDecoder>(decoder: Result<D, ImageError>, max_cells: u64) -> Resu
 fn name(format: ImageFormat) -> &'static str {
     match format {
         ImageFormat::Jpeg => "JPEG, which blurs gray values: save the original as PNG",
-        ImageFormat::Bmp => "BMP: convert it to PNG",
         ImageFormat::Gif => "GIF: convert it to PNG",
         ImageFormat::Tiff => "TIFF: convert it to PNG",
         ImageFormat::WebP => "WebP: convert it to PNG",

@@ -1,6 +1,7 @@
 //! Label images and room images: drawn by people, one pixel per cell.
 
 use super::image::{self, Raster, Samples};
+use super::valetudo;
 use crate::grid::Grid;
 use crate::labels::{Label, LabelSet};
 
@@ -154,12 +155,21 @@ pub fn image_size(bytes: &[u8], max_pixels: u64) -> Result<(u32, u32), LabelImag
     }
 }
 
-/// Reads a room image (gray, 8 or 16 bits): an id per cell, 0 in no room; row 0 of the result is the image's
-/// bottom row.
+/// Reads a room image (gray, 8 or 16 bits), or the segments of a Valetudo map: an id per cell, 0 in no room; row 0 of the
+/// result is the map's lowest row.
 ///
 /// # Errors
-/// If the bytes are no image, it has another size than `size` = (width, height), or it is not gray.
+/// If the bytes are no image and no Valetudo map, it has another size than `size` = (width, height), or it is not gray.
 pub fn read_rooms(bytes: &[u8], size: (u32, u32)) -> Result<Grid<u16>, LabelImageError> {
+    if valetudo::is_json(bytes) {
+        let segments = valetudo::parse(bytes, max_pixels(size))?.segments;
+        let found = (segments.width(), segments.height());
+        return if found == size {
+            Ok(segments)
+        } else {
+            Err(LabelImageError::Size { expected: size, found })
+        };
+    }
     let raster = decode(bytes, size)?;
     if raster.channels.n_samples() > 1 {
         let (expected, found) = ("a gray image of room ids", "colors or alpha");
@@ -172,13 +182,17 @@ pub fn read_rooms(bytes: &[u8], size: (u32, u32)) -> Result<Grid<u16>, LabelImag
 }
 
 fn decode(bytes: &[u8], size: (u32, u32)) -> Result<Raster, LabelImageError> {
-    // Decoded only if it is about as large as the map; the exact size is compared below, with a better error.
-    let raster = image::decode(bytes, u64::from(size.0) * u64::from(size.1) * 4 + (1 << 20))?;
+    let raster = image::decode(bytes, max_pixels(size))?;
     let found = (raster.width, raster.height);
     if found != size {
         return Err(LabelImageError::Size { expected: size, found });
     }
     Ok(raster)
+}
+
+/// What is about as large as the map is read; the exact size is compared after, with a better error.
+fn max_pixels(size: (u32, u32)) -> u64 {
+    u64::from(size.0) * u64::from(size.1) * 4 + (1 << 20)
 }
 
 /// The flip: the image's last row is the map's first.

@@ -1,6 +1,6 @@
 //! Opens a map, whatever its format.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
@@ -8,9 +8,10 @@ use sha2::{Digest, Sha256};
 use super::file::{self, NamedFiles};
 use super::image::Raster;
 use super::ros::{self, Brightness, Interpretation, Mode, Rules};
-use super::{MapError, carmen, image};
+use super::{MapError, carmen, image, smoothing, valetudo};
 use crate::geom::Pose2;
 use crate::grid::{Grid, MapFrame, Occupancy, OccupancyGrid};
+use crate::text::printable;
 
 /// What to do with gray 205 where a trinary map's thresholds make it free.
 ///
@@ -69,6 +70,8 @@ pub enum Format {
     Image,
     /// A CARMEN map.
     Carmen,
+    /// A map of a robot vacuum, as the JSON of Valetudo.
+    Valetudo,
 }
 
 /// How a map was read: what the check of it needs to know.
@@ -86,6 +89,35 @@ pub struct Source {
     pub gray_205_cells: u64,
     /// Number of cells that an alpha below 255 made unknown.
     pub transparent_cells: u64,
+    /// Number of pixels with a gray between those of their neighbors, if so many are that the picture must have been
+    /// smoothed, else 0: see [`super::Finding::Smoothed`].
+    pub blended_cells: u64,
+    /// The image that was read in place of the one that the YAML names, which is not there.
+    pub replaced_image: Option<ReplacedImage>,
+}
+
+impl Source {
+    /// A map read as `interpretation` says, in which nothing was noticed.
+    pub fn new(format: Format, interpretation: Interpretation) -> Self {
+        Self {
+            format,
+            interpretation,
+            gray_205: Gray205::default(),
+            gray_205_cells: 0,
+            transparent_cells: 0,
+            blended_cells: 0,
+            replaced_image: None,
+        }
+    }
+}
+
+/// An image that lies beside a YAML, which names one of the same name elsewhere.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+pub struct ReplacedImage {
+    /// The path in the YAML.
+    pub named: String,
+    /// Name of the image that was read.
+    pub read: String,
 }
 
 /// A map that was read.
@@ -93,7 +125,7 @@ pub struct Source {
 pub struct LoadedMap {
     /// The map.
     pub grid: OccupancyGrid,
-    /// Name of the file without folder and extension.
+    /// Name of the file without folder and extension; what cannot be printed of it is a low line.
     pub name: String,
     /// How it was read.
     pub source: Source,
@@ -101,8 +133,8 @@ pub struct LoadedMap {
     pub hash: String,
 }
 
-/// Reads the map at `path`: a map_server YAML by its extension, else a CARMEN map (gzipped or not) or an image
-/// by its first bytes. Cost: a few passes over the cells.
+/// Reads the map at `path`: a map_server YAML by its extension, else a CARMEN map (gzipped or not), a Valetudo map or an
+/// image by its first bytes. Cost: a few passes over the cells.
 ///
 /// # Errors
 /// If a file cannot be read or is not what it should be, see [`MapError`]; the error names the file.
@@ -120,24 +152,64 @@ fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
     let mut hash = Sha256::new_with_prefix(&bytes);
     let (grid, source) = if is_yaml {
         let yaml = ros::parse_yaml(&bytes)?;
-        let image = file::named_file(path, &yaml.image, options.named_files)?;
+        let (image, replaced_image) = image_of(path, &yaml.image, options)?;
         let in_image = |error| MapError::ImageFile { image: image.clone(), error: Box::new(error) };
         let image_bytes = file::read_cells(&image, options.max_cells).map_err(in_image)?;
         hash.update(&image_bytes);
+        replace_interpretation(yaml.interpretation, options).check_thresholds()?;
         let raster = image::decode(&image_bytes, options.max_cells).map_err(in_image)?;
         let (cells, source) = read_image(raster, Format::MapServer, yaml.interpretation, options);
+        let source = Source { replaced_image, ..source };
         (OccupancyGrid { frame: replace_resolution(yaml.frame, options)?, cells }, source)
     } else if carmen::is_carmen(&bytes) {
         read_carmen(&bytes, options)?
+    } else if valetudo::is_json(&bytes) {
+        let map = valetudo::parse(&bytes, options.max_cells)?;
+        let grid = OccupancyGrid { frame: replace_resolution(map.frame, options)?, cells: map.cells };
+        (grid, Source::new(Format::Valetudo, Interpretation::default()))
     } else {
         let raster = image::decode(&bytes, options.max_cells)?;
-        let resolution_m = options.resolution_m.ok_or(MapError::NoResolution)?;
+        let resolution_m =
+            options.resolution_m.ok_or_else(|| MapError::NoResolution { yaml: yaml_beside(path) })?;
+        replace_interpretation(Interpretation::default(), options).check_thresholds()?;
         let (cells, source) = read_image(raster, Format::Image, Interpretation::default(), options);
         (OccupancyGrid { frame: MapFrame::new(resolution_m, Pose2::default())?, cells }, source)
     };
-    let name = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let name = path.file_stem().map_or_else(String::new, |stem| printable(&stem.to_string_lossy()));
     let hash = hash.finalize().iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
     Ok(LoadedMap { grid, name, source, hash })
+}
+
+/// The image that the YAML at `path` names. If it is not there, the one of its name beside the YAML, and which that is: maps
+/// are copied from machine to machine, and their YAML files hold the path on the first.
+fn image_of(
+    path: &Path,
+    named: &str,
+    options: &ReadOptions,
+) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {
+    let is_there = path.parent().is_none_or(|folder| folder.join(named).exists());
+    match file::namesake(path, named) {
+        Some(read) if !is_there => {
+            // A YAML that was copied under another name, with its image, still names the first one.
+            let own = Path::new(&read).extension().map(|extension| path.with_extension(extension));
+            let own = own
+                .filter(|own| own.is_file())
+                .and_then(|own| Some(own.file_name()?.to_string_lossy().into_owned()));
+            if let Some(own) = own.filter(|own| *own != read) {
+                return Err(MapError::Outside { name: named.to_owned(), beside: vec![read, own] });
+            }
+            let image = file::named_file(path, &read, NamedFiles::Inside)?;
+            Ok((image, Some(ReplacedImage { named: named.to_owned(), read })))
+        }
+        _ => Ok((file::named_file(path, named, options.named_files)?, None)),
+    }
+}
+
+/// Name of the YAML file that lies beside an image and is called like it.
+fn yaml_beside(image: &Path) -> Option<String> {
+    let yaml =
+        ["yaml", "yml"].map(|extension| image.with_extension(extension)).into_iter().find(|p| p.is_file())?;
+    Some(yaml.file_name()?.to_string_lossy().into_owned())
 }
 
 /// The occupancy that `interpretation` gives the pixels of an image, under `options`; row 0 is the image's
@@ -172,7 +244,9 @@ pub fn read_image(
         _ => state(sum.into(), alpha),
     });
     let gray_205 = options.gray_205;
-    (occupancy, Source { format, interpretation: how, gray_205, gray_205_cells, transparent_cells })
+    let blended_cells = if how.mode == Mode::Raw { 0 } else { smoothing::blended_cells(&cells, &counts) };
+    let source = Source::new(format, how);
+    (occupancy, Source { gray_205, gray_205_cells, transparent_cells, blended_cells, ..source })
 }
 
 /// Number of cells of gray 205 if the map has the signature of the trap, else 0.
@@ -193,15 +267,10 @@ fn trap_205(counts: &[u64], gray_of: impl Fn(usize) -> f64, how: &Interpretation
 fn read_carmen(bytes: &[u8], options: &ReadOptions) -> Result<(OccupancyGrid, Source), MapError> {
     let map = carmen::parse(bytes, options.max_cells)?;
     let how = replace_interpretation(Interpretation { mode: Mode::Raw, ..Default::default() }, options);
+    how.check_thresholds()?;
     let cells = map.probabilities.map(|&p| carmen::occupancy(p, &how));
     let frame = replace_resolution(MapFrame::new(map.resolution_m, Pose2::default())?, options)?;
-    let source = Source {
-        format: Format::Carmen,
-        interpretation: how,
-        gray_205: options.gray_205,
-        gray_205_cells: 0,
-        transparent_cells: 0,
-    };
+    let source = Source { gray_205: options.gray_205, ..Source::new(Format::Carmen, how) };
     Ok((OccupancyGrid { frame, cells }, source))
 }
 

@@ -1,8 +1,9 @@
 //! map_server YAML files and what they make of gray values (Nav2 and ROS 1).
 //!
 //! [`cell_value`] is the value that map_server publishes, −1 or 0..=100; [`occupancy`] makes the three states
-//! of it. With rules of [`Rules::Nav2`] the values are those of nav2_map_server's `map_io`, bit for bit, for
-//! every gray value (`tests/formats/import_ros.rs`). Cost: one pass over the pixels with a table of 256 values.
+//! of it. With the rules of [`Rules::Jazzy`] the values are those of nav2_map_server's `map_io`, bit for bit, for
+//! every gray value; those of [`Rules::Humble`] and [`Rules::Ros1`] follow from their loaders' formulas
+//! (`tests/formats/import_ros.rs`). Cost: one pass over the pixels with a table of 256 values.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,14 +24,22 @@ pub enum Mode {
     Raw,
 }
 
-/// Whose loader is followed where Nav2 and ROS 1 differ.
+/// Whose loader is followed where they differ.
+///
+/// | | thresholds | colors | a pixel that is not opaque |
+/// |---|---|---|---|
+/// | Jazzy | inclusive, in `f32`; free wins | luminance | unknown |
+/// | Humble | exclusive, in `f64` | mean | trinary: alpha is averaged in; scale: unknown |
+/// | ROS 1 | exclusive, in `f64` | mean | trinary: alpha is averaged in; scale: unknown between the thresholds where alpha is 0 |
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Rules {
-    /// Thresholds are inclusive, colors are weighed by luminance, a pixel that is not opaque is unknown.
+    /// Navigation 2 of ROS 2 Jazzy, Kilted and later.
     #[default]
-    Nav2,
-    /// Thresholds are exclusive, all channels are averaged (alpha too, in mode trinary).
+    Jazzy,
+    /// Navigation 2 of ROS 2 Foxy, Humble and Iron.
+    Humble,
+    /// map_server of ROS 1.
     Ros1,
 }
 
@@ -57,7 +66,23 @@ impl Default for Interpretation {
             negate: false,
             occupied_thresh: 0.65,
             free_thresh: 0.196,
-            rules: Rules::Nav2,
+            rules: Rules::Jazzy,
+        }
+    }
+}
+
+impl Interpretation {
+    /// Checks that the thresholds leave room between free and occupied and lie in 0..=1. No saver writes others, and what
+    /// loaders make of them differs from release to release.
+    ///
+    /// # Errors
+    /// If they do not.
+    pub fn check_thresholds(&self) -> Result<(), MapError> {
+        let Self { occupied_thresh, free_thresh, .. } = *self;
+        if 0.0 <= free_thresh && free_thresh < occupied_thresh && occupied_thresh <= 1.0 {
+            Ok(())
+        } else {
+            Err(MapError::Thresholds { occupied_thresh, free_thresh })
         }
     }
 }
@@ -69,7 +94,7 @@ pub struct MapYaml {
     pub image: String,
     /// Resolution and origin.
     pub frame: MapFrame,
-    /// What a gray value means; the rules are Nav2's.
+    /// What a gray value means; the rules are [`Rules::Jazzy`].
     pub interpretation: Interpretation,
 }
 
@@ -120,16 +145,22 @@ pub fn parse_yaml(bytes: &[u8]) -> Result<MapYaml, MapError> {
         negate: truth_value(keys.negate)?,
         occupied_thresh: keys.occupied_thresh,
         free_thresh: keys.free_thresh,
-        rules: Rules::Nav2,
+        rules: Rules::Jazzy,
     };
     Ok(MapYaml { image: keys.image, frame, interpretation })
 }
 
 fn yaml_error(error: &serde_saphyr::Error) -> MapError {
+    use serde_saphyr::{DefaultMessageFormatter, Error, MessageFormatter};
     let location = error.location();
+    // A picture of the source follows the message.
+    let message = match error.without_snippet() {
+        Error::DuplicateMappingKey { key: Some(key), .. } => format!("the key {key} stands twice"),
+        Error::SerdeMissingField { field, .. } => format!("the key {field} is missing"),
+        other => DefaultMessageFormatter.format_message(other).escape_debug().to_string(),
+    };
     MapError::Yaml {
-        // The first line is the message; a picture of the source follows.
-        message: error.without_snippet().to_string(),
+        message,
         line: location.map_or(0, |at| at.line()),
         column: location.map_or(0, |at| at.column()),
     }
@@ -149,17 +180,18 @@ fn truth_value(text: String) -> Result<bool, MapError> {
 
 /// The occupancy value −1 or 0..=100 that map_server gives a pixel.
 ///
-/// `gray` is the pixel's brightness in 0..=255 (an integer with the rules of Nav2, a mean of channels with
-/// those of ROS 1), `alpha` 255 where the image has none. Nav2 computes in `f32` and assigns free last, so
-/// free wins if the thresholds cross.
+/// `gray` is the pixel's brightness in 0..=255 (an integer with the rules of Jazzy, else a mean of channels), `alpha` 255
+/// where the image has none. Jazzy computes in `f32` and assigns free last, so free wins if the thresholds cross; in the
+/// others occupied does.
 pub fn cell_value(gray: f64, alpha: u8, how: &Interpretation) -> i8 {
     match how.rules {
-        Rules::Nav2 => nav2_value(gray as f32, alpha, how),
+        Rules::Jazzy => jazzy_value(gray as f32, alpha, how),
+        Rules::Humble => humble_value(gray, alpha, how),
         Rules::Ros1 => ros1_value(gray, alpha, how),
     }
 }
 
-fn nav2_value(gray: f32, alpha: u8, how: &Interpretation) -> i8 {
+fn jazzy_value(gray: f32, alpha: u8, how: &Interpretation) -> i8 {
     if how.mode == Mode::Raw {
         return if gray <= 100.0 { gray as i8 } else { -1 };
     }
@@ -177,6 +209,26 @@ fn nav2_value(gray: f32, alpha: u8, how: &Interpretation) -> i8 {
     } else {
         let span = (how.occupied_thresh - how.free_thresh) as f32;
         ((p - free) / span * 100.0).round() as i8
+    }
+}
+
+fn humble_value(gray: f64, alpha: u8, how: &Interpretation) -> i8 {
+    let shade = gray / 255.0;
+    if how.mode == Mode::Raw {
+        let value = (shade * 255.0).round();
+        return if value <= 100.0 { value as i8 } else { -1 };
+    }
+    let p = if how.negate { shade } else { 1.0 - shade };
+    if how.mode == Mode::Scale && alpha < 255 {
+        -1
+    } else if how.occupied_thresh < p {
+        100
+    } else if p < how.free_thresh {
+        0
+    } else if how.mode == Mode::Trinary {
+        -1
+    } else {
+        ((p - how.free_thresh) / (how.occupied_thresh - how.free_thresh) * 100.0).round_ties_even() as i8
     }
 }
 
@@ -237,35 +289,44 @@ pub struct Brightness {
 
 /// Measures the brightness of an image's pixels; row 0 of the result is the image's bottom row.
 ///
-/// Nav2 takes the luminance of colors (weights 0.299, 0.587, 0.114), ROS 1 the mean of the channels, in mode
-/// trinary with alpha among them.
+/// Jazzy takes the luminance of colors (weights 0.299, 0.587, 0.114), the others the mean of red, green and blue, in mode
+/// trinary with alpha among them where the image has it.
 pub fn brightness(raster: Raster, how: &Interpretation) -> Brightness {
     let (width, height, channels) = (raster.width, raster.height, raster.channels);
     let samples = raster.into_8_bit();
-    let n_summed = match (how.rules, how.mode) {
-        (Rules::Nav2, _) => 1,
-        (Rules::Ros1, Mode::Trinary) => channels.n_samples(),
-        (Rules::Ros1, _) => channels.n_colors(),
-    };
     let has_alpha = matches!(channels, Channels::GrayAlpha | Channels::Rgba);
+    let alpha_counts = has_alpha && how.mode == Mode::Trinary;
+    let n_summed = match how.rules {
+        Rules::Jazzy => 1,
+        Rules::Humble | Rules::Ros1 => 3 + u16::from(alpha_counts),
+    };
     let measure = |pixel: &[u8]| {
+        let alpha = if has_alpha { pixel[channels.n_samples() - 1] } else { 255 };
         let sum = match how.rules {
-            Rules::Nav2 => u16::from(luminance(pixel, channels)),
-            Rules::Ros1 => pixel[..n_summed].iter().map(|&v| u16::from(v)).sum(),
+            Rules::Jazzy => u16::from(luminance(colors(pixel, channels))),
+            Rules::Humble | Rules::Ros1 => {
+                let color: u16 = colors(pixel, channels).into_iter().map(u16::from).sum();
+                color + if alpha_counts { u16::from(alpha) } else { 0 }
+            }
         };
-        (sum, if has_alpha { pixel[channels.n_samples() - 1] } else { 255 })
+        (sum, alpha)
     };
     // The flip: the image's last row is the map's first.
     let rows = samples.chunks_exact(width as usize * channels.n_samples()).rev();
     let values = rows.flat_map(|row| row.chunks_exact(channels.n_samples())).map(measure).collect();
-    Brightness { cells: Grid::from_rows(width, height, values), divisor: n_summed as u16 }
+    Brightness { cells: Grid::from_rows(width, height, values), divisor: n_summed }
 }
 
-fn luminance(pixel: &[u8], channels: Channels) -> u8 {
-    if channels.n_colors() == 1 {
-        return pixel[0];
+/// Red, green and blue: gray images have them alike.
+fn colors(pixel: &[u8], channels: Channels) -> [u8; 3] {
+    match channels.n_colors() {
+        1 => [pixel[0]; 3],
+        _ => [pixel[0], pixel[1], pixel[2]],
     }
-    let [r, g, b] = [0, 1, 2].map(|k| u32::from(pixel[k]));
+}
+
+fn luminance(rgb: [u8; 3]) -> u8 {
+    let [r, g, b] = rgb.map(u32::from);
     ((299 * r + 587 * g + 114 * b + 500) / 1000) as u8
 }
 
@@ -295,32 +356,86 @@ mod tests {
     }
 
     #[test]
-    fn ros_1_decides_strictly_and_nav2_inclusively() {
-        // Gray 127.5 has p = 0.5 exactly.
-        let nav2 = Interpretation { occupied_thresh: 0.5, free_thresh: 0.5, ..Default::default() };
-        assert_eq!(cell_value(127.5, 255, &nav2), 0);
-        assert_eq!(cell_value(127.5, 255, &Interpretation { rules: Rules::Ros1, ..nav2 }), -1);
+    fn jazzy_decides_inclusively_and_the_others_strictly() {
+        // Gray 51 has p = 0.8 exactly in f64 as well: 1 - 0.2.
+        let jazzy = Interpretation { occupied_thresh: 0.8, free_thresh: 0.2, ..Default::default() };
+        // Gray 255 has p = 0, gray 0 has p = 1.
+        let ends = Interpretation { occupied_thresh: 1.0, free_thresh: 0.0, ..Default::default() };
+        for (rules, values) in [(Rules::Jazzy, [100, 0]), (Rules::Humble, [-1, -1]), (Rules::Ros1, [-1, -1])]
+        {
+            let with = |how: Interpretation| Interpretation { rules, ..how };
+            assert_eq!([0.0, 255.0].map(|gray| cell_value(gray, 255, &with(ends))), values, "{rules:?}");
+            // Away from the thresholds all agree.
+            assert_eq!([0.0, 128.0, 255.0].map(|gray| cell_value(gray, 255, &with(jazzy))), [100, -1, 0]);
+        }
     }
 
     #[test]
-    fn alpha_makes_nav2_cells_unknown_and_dims_ros_1_cells() {
-        let nav2 = Interpretation::default();
-        let ros1 = Interpretation { rules: Rules::Ros1, ..nav2 };
-        assert_eq!(cell_value(254.0, 254, &nav2), -1);
-        let pixel = |how: &Interpretation| {
-            let raster = Raster {
-                width: 1,
-                height: 1,
-                channels: Channels::GrayAlpha,
-                samples: super::super::image::Samples::Eight(vec![0, 255]),
-            };
-            let measured = brightness(raster, how);
-            (measured.cells.values()[0], measured.divisor)
+    fn thresholds_leave_room_between_free_and_occupied() {
+        let check = |free_thresh, occupied_thresh| {
+            Interpretation { occupied_thresh, free_thresh, ..Default::default() }.check_thresholds().is_ok()
         };
-        assert_eq!(pixel(&nav2), ((0, 255), 1));
-        // A black opaque pixel averages to 127.5 in ROS 1.
-        assert_eq!(pixel(&ros1), ((255, 255), 2));
-        assert_eq!(pixel(&Interpretation { mode: Mode::Scale, ..ros1 }), ((0, 255), 1));
+        assert!(check(0.196, 0.65) && check(0.0, 1.0));
+        let bad = [
+            (0.65, 0.196),
+            (0.5, 0.5),
+            (25.0, 65.0),
+            (-1.0, 0.65),
+            (0.196, 65.0),
+            (0.196, -3.0),
+            (f64::NAN, 0.6),
+        ];
+        for (free, occupied) in bad {
+            assert!(!check(free, occupied), "{free} {occupied}");
+        }
+    }
+
+    /// Value of a pixel of gray and alpha.
+    fn value([gray, alpha]: [u8; 2], how: &Interpretation) -> i8 {
+        let raster = Raster {
+            width: 1,
+            height: 1,
+            channels: Channels::GrayAlpha,
+            samples: super::super::image::Samples::Eight(vec![gray, alpha]),
+        };
+        let Brightness { cells, divisor } = brightness(raster, how);
+        let (sum, alpha) = cells.values()[0];
+        cell_value(f64::from(sum) / f64::from(divisor), alpha, how)
+    }
+
+    /// Worked by hand from the loaders. With alpha averaged in, black and opaque is (0 + 0 + 0 + 255) / 4 = 63.75, p = 0.75;
+    /// black and transparent p = 1; white and transparent (3 · 255 + 0) / 4, p = 0.25; white and opaque p = 0.
+    #[test]
+    fn alpha_counts_as_the_release_counts_it() {
+        let pixels = [[0, 255], [0, 0], [255, 0], [255, 255], [254, 254]];
+        let trinary =
+            |rules, occupied_thresh| Interpretation { occupied_thresh, rules, ..Default::default() };
+        let values = |how: &Interpretation| pixels.map(|pixel| value(pixel, how));
+        assert_eq!(values(&trinary(Rules::Jazzy, 0.65)), [100, -1, -1, 0, -1]);
+        assert_eq!(values(&trinary(Rules::Humble, 0.65)), [100, 100, -1, 0, 0]);
+        assert_eq!(values(&trinary(Rules::Ros1, 0.65)), [100, 100, -1, 0, 0]);
+        // Opaque walls are no longer walls: 0.75 < 0.9.
+        assert_eq!(values(&trinary(Rules::Humble, 0.9)), [-1, 100, -1, 0, 0]);
+        let scale = |rules| Interpretation { rules, mode: Mode::Scale, ..Default::default() };
+        assert_eq!(values(&scale(Rules::Jazzy)), [100, -1, -1, 0, -1]);
+        assert_eq!(values(&scale(Rules::Humble)), [100, -1, -1, 0, -1]);
+        assert_eq!(values(&scale(Rules::Ros1)), [100, 100, 0, 0, 0]);
+        assert_eq!(value([128, 0], &scale(Rules::Ros1)), -1);
+        assert!(value([128, 255], &scale(Rules::Ros1)) > 0);
+    }
+
+    #[test]
+    fn colors_count_as_the_release_counts_them() {
+        let brightness_of = |rules| {
+            let samples = super::super::image::Samples::Eight(vec![0, 255, 0]);
+            let raster = Raster { width: 1, height: 1, channels: Channels::Rgb, samples };
+            let found = brightness(raster, &Interpretation { rules, ..Default::default() });
+            (found.cells.values()[0].0, found.divisor)
+        };
+        // Green: 0.587 · 255 = 149.685, and a third of 255.
+        assert_eq!(brightness_of(Rules::Jazzy), (150, 1));
+        assert_eq!(brightness_of(Rules::Humble), (255, 3));
+        assert_eq!(brightness_of(Rules::Ros1), (255, 3));
     }
 
     #[test]

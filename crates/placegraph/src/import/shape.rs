@@ -54,32 +54,32 @@ pub(super) fn clearance_cells(cells: &Grid<Occupancy>, of: Occupancy) -> Grid<u1
     Grid::from_rows(cells.width(), cells.height(), values)
 }
 
-/// Number and total of cells of the 8-connected free areas with fewer than `min_cells` cells. Cost: a pass.
-pub(super) fn specks(cells: &Grid<Occupancy>, min_cells: f64) -> (u64, u64) {
+/// Calls `visit` with the cells of every 8-connected free area, as row-major indices, in the order of their first cells.
+/// Cost: a pass.
+pub(super) fn for_each_free_area(cells: &Grid<Occupancy>, mut visit: impl FnMut(&[u32])) {
     let mut free = Framed::new(cells, Occupancy::Free);
-    let steps = free.steps();
-    let (mut n_specks, mut n_speck_cells) = (0, 0);
-    let mut open = Vec::new();
+    let (steps, stride, width) = (free.steps(), free.stride, cells.width() as usize);
+    // Cells are fewer than 2^32, and the frame is not among them.
+    let in_map = |i: usize| ((i / stride - 1) * width + i % stride - 1) as u32;
+    let (mut open, mut area) = (Vec::new(), Vec::new());
     for start in 0..free.marks.len() {
-        let mut n_cells = 0;
-        visit(&mut free.marks, start, &mut open);
+        area.clear();
+        take(&mut free.marks, start, &mut open);
         while let Some(i) = open.pop() {
-            n_cells += 1;
+            area.push(in_map(i));
             for step in steps {
-                visit(&mut free.marks, i - step, &mut open);
-                visit(&mut free.marks, i + step, &mut open);
+                take(&mut free.marks, i - step, &mut open);
+                take(&mut free.marks, i + step, &mut open);
             }
         }
-        if n_cells > 0 && (n_cells as f64) < min_cells {
-            n_specks += 1;
-            n_speck_cells += n_cells;
+        if !area.is_empty() {
+            visit(&area);
         }
     }
-    (n_specks, n_speck_cells)
 }
 
 /// Takes the mark from cell `i` and puts the cell on the list of those whose neighbors are to be visited.
-fn visit(marks: &mut [u16], i: usize, open: &mut Vec<usize>) {
+fn take(marks: &mut [u16], i: usize, open: &mut Vec<usize>) {
     if marks[i] > 0 {
         marks[i] = 0;
         open.push(i);
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn specks_are_small_areas() {
+    fn areas_are_joined_by_corners() {
         let map = OccupancyGrid::from_ascii(
             1.0,
             "
@@ -118,7 +118,13 @@ mod tests {
             ####.
             ",
         );
-        assert_eq!(specks(&map.cells, 3.0), (2, 3));
-        assert_eq!(specks(&map.cells, 1.0), (0, 0));
+        let mut areas = Vec::new();
+        for_each_free_area(&map.cells, |area| {
+            let mut area = area.to_vec();
+            area.sort_unstable();
+            areas.push(area);
+        });
+        // Rows from the bottom, five cells each.
+        assert_eq!(areas, [vec![4, 9], vec![7, 10, 11, 12, 15, 16, 17], vec![19]]);
     }
 }

@@ -16,7 +16,7 @@ use serde::Deserialize;
 
 use super::{LabelCell, LabelCoding};
 use crate::labels::{Class, LabelSet, LabelSetError, Role};
-use crate::syntax::SyntaxError;
+use crate::syntax::{SyntaxError, from_toml};
 
 /// A training file that was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,21 +46,21 @@ pub struct TrainingMap {
 #[non_exhaustive]
 pub enum TrainingFileError {
     /// No TOML, or not the keys of a training file.
-    #[error("expected a training file: {source}")]
+    #[error("expected a training file: {error}")]
     Toml {
         /// What the TOML reader found, and where.
-        source: SyntaxError,
+        error: SyntaxError,
     },
     /// It names no map.
     #[error("expected at least one [[map]] table, found none")]
     NoMap,
     /// A class is not written as it should be.
-    #[error("in class {name:?} of [classes]: {source}")]
+    #[error("in class {name:?} of [classes]: {error}")]
     Class {
         /// Name of the class.
         name: String,
         /// What the TOML reader found.
-        source: SyntaxError,
+        error: SyntaxError,
     },
     /// A class has both ways to paint it.
     #[error("class {name:?}: expected a gray value or a color, found both")]
@@ -97,7 +97,7 @@ struct Tables {
 
 /// How a class of one's own is written.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a class such as { value = 1, role = \"place\" }")]
 struct ClassEntry {
     role: Role,
     value: Option<u8>,
@@ -122,8 +122,8 @@ impl TrainingFile {
     /// # Errors
     /// If it is no TOML, has an unknown key, names no map, or its classes contradict each other.
     pub fn from_toml(text: &str) -> Result<Self, TrainingFileError> {
-        let Tables { map: maps, classes } = toml::from_str(text)
-            .map_err(|error| TrainingFileError::Toml { source: SyntaxError::of(&error) })?;
+        let Tables { map: maps, classes } =
+            from_toml(text).map_err(|error| TrainingFileError::Toml { error })?;
         if maps.is_empty() {
             return Err(TrainingFileError::NoMap);
         }
@@ -146,7 +146,9 @@ fn own_classes(table: toml::Table) -> Result<(LabelSet, Vec<[u8; 3]>), TrainingF
     for (index, (name, entry)) in table.into_iter().enumerate() {
         let entry: ClassEntry = match entry.try_into() {
             Ok(entry) => entry,
-            Err(error) => return Err(TrainingFileError::Class { name, source: SyntaxError::of(&error) }),
+            Err(error) => {
+                return Err(TrainingFileError::Class { name, error: SyntaxError::of_toml(&error, "") });
+            }
         };
         let paint = match (entry.value, entry.color) {
             // Beyond the last class that a label set may have, the number does not matter.

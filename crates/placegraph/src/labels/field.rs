@@ -5,7 +5,8 @@ use super::{Label, Labeling};
 /// `n × K` probabilities, node-major: row i is the distribution of node i.
 ///
 /// Stored as `f32`: a field over 100 M cells and three classes is 1.2 GB instead of 2.4, and the relaxation
-/// moves half the memory (`docs/method.md`, deviations). Rows sum to 1 within 1e-6.
+/// moves half the memory (`docs/method.md`, deviations). Rows sum to 1 within
+/// [`LabelField::SUM_TOLERANCE`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct LabelField {
     n_labels: usize,

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::text::is_printable;
+
 /// What a class is for; only roles enter the heuristics of Sect. 4.7.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -58,8 +60,11 @@ pub enum LabelSetError {
         /// How many were given.
         found: usize,
     },
-    /// A name is empty or given twice.
-    #[error("expected a unique name for every class, found {name:?} twice or empty")]
+    /// A name is empty, too long, given twice, or cannot be printed.
+    #[error(
+        "expected a name of its own for every class, of 1 to {} printable characters, found {name:?}",
+        LabelSet::MAX_NAME
+    )]
     Name {
         /// The name at fault.
         name: String,
@@ -71,17 +76,22 @@ impl LabelSet {
     pub const MIN: usize = 2;
     /// Largest number of classes.
     pub const MAX: usize = 8;
+    /// Most characters of a class's name.
+    pub const MAX_NAME: usize = 100;
 
     /// The set of `classes` in this order.
     ///
     /// # Errors
-    /// If there are fewer than 2 or more than 8, or a name is empty or not unique.
+    /// If there are fewer than 2 or more than 8, or a name is empty, too long, not unique, or has characters that are
+    /// not printable.
     pub fn new(classes: Vec<Class>) -> Result<Self, LabelSetError> {
         if !(Self::MIN..=Self::MAX).contains(&classes.len()) {
             return Err(LabelSetError::Number { found: classes.len() });
         }
         for (index, class) in classes.iter().enumerate() {
-            if class.name.is_empty() || classes[..index].iter().any(|other| other.name == class.name) {
+            if !is_printable(&class.name, Self::MAX_NAME)
+                || classes[..index].iter().any(|other| other.name == class.name)
+            {
                 return Err(LabelSetError::Name { name: class.name.clone() });
             }
         }
@@ -159,6 +169,9 @@ mod tests {
             LabelSet::new(vec![class("a"), class("a")]),
             Err(LabelSetError::Name { name: "a".into() })
         );
+        for bad in ["", "a\u{7}", "a\nb", &"x".repeat(101)] {
+            assert!(LabelSet::new(vec![class("a"), class(bad)]).is_err(), "{bad:?}");
+        }
         let set = LabelSet::new(vec![class("a"), class("b")]).unwrap();
         assert_eq!(set.label("b"), Some(Label(1)));
     }

@@ -194,10 +194,22 @@ fn analyze_as_drawn(
 }
 
 /// Memory that [`analyze`] and the files of its result take at most beside the map and 64 MB, in bytes: a multiple of the
-/// map's cells, of which `n_free` are free (`docs/reliability.md`). Most maps take half of it: the bound is that of a map which
-/// is one space.
-pub fn memory_bytes(n_cells: u64, n_free: u64, n_labels: usize) -> u64 {
-    n_cells * 48 + n_free * 9 * n_labels as u64
+/// map's cells, of which `n_free` are free, and of the places that they become (`docs/reliability.md`). Most maps take half of
+/// it: the bound is that of a map which is one space.
+///
+/// [`n_parts`] is the least number of places.
+pub fn memory_bytes(n_cells: u64, n_free: u64, n_labels: usize, n_places: u64) -> u64 {
+    n_cells * 48 + n_free * 9 * n_labels as u64 + n_places * BYTES_PER_PLACE
+}
+
+/// What a place takes with its outline, its name, and what is drawn and written of it.
+const BYTES_PER_PLACE: u64 = 3000;
+
+/// Number of connected parts of a map's free cells: each becomes a region at least. Takes a part of [`memory_bytes`] and a pass.
+pub fn n_parts(map: &OccupancyGrid) -> u64 {
+    let space = FreeSpace::of(map);
+    let labels = vec![Label(0); space.graph.n_nodes()];
+    connected(&space.graph, &labels, DiagonalSteps::default()).regions.len() as u64
 }
 
 /// Nodes up to which the smoothed field is kept in addition to the other while spaces are cut. Both and a cut take more memory than

@@ -13,7 +13,11 @@ use super::{RegionId, RegionMap, contacts};
 use crate::grid::{Cell, CellGraph, FreeSpace};
 use crate::labels::Label;
 
-/// The regions without neighbors that are smaller than `min_m2`, but none if all regions are. Cost: that of [`contacts`].
+/// Regions up to which a map may consist of specks alone: more of them are a pattern, and no places.
+const MAX_SPECKS_ALONE: usize = 10_000;
+
+/// The regions without neighbors that are smaller than `min_m2`, but none if all regions are and at most 10 000. Cost: that of
+/// [`contacts`].
 pub fn islands(space: &FreeSpace, regions: &RegionMap, min_m2: f64) -> Vec<RegionId> {
     let mut is_alone = vec![true; regions.regions.len()];
     for contact in contacts(&space.graph, regions) {
@@ -26,7 +30,8 @@ pub fn islands(space: &FreeSpace, regions: &RegionMap, min_m2: f64) -> Vec<Regio
         .filter(|&id| is_alone[id] && is_small(regions.regions[id].n_cells))
         .map(|id| RegionId(id as u32))
         .collect();
-    if found.len() == regions.regions.len() { Vec::new() } else { found }
+    let is_all = found.len() == regions.regions.len() && found.len() <= MAX_SPECKS_ALONE;
+    if is_all { Vec::new() } else { found }
 }
 
 /// `regions` where every one of `islands` has the label of the nearest nodes of other regions that are none, by the larger
@@ -50,6 +55,9 @@ pub fn islands(space: &FreeSpace, regions: &RegionMap, min_m2: f64) -> Vec<Regio
 ///
 /// Cost: for every cell of an island the square of cells around it that reaches so far.
 pub fn label_islands(graph: &CellGraph, mut regions: RegionMap, islands: &[RegionId]) -> RegionMap {
+    if islands.len() == regions.regions.len() {
+        return regions;
+    }
     let mut cells_of = vec![None; regions.regions.len()];
     for id in islands {
         cells_of[id.index()] = Some(Vec::new());

@@ -99,6 +99,7 @@ pub fn build(
     let mut map = TopologicalMap {
         places: outlines.into_par_iter().enumerate().map(place).collect(),
         connections: contacts.iter().map(connection).collect(),
+        last_id: PlaceId(regions.regions.len() as u32),
     };
     lay_routes(&mut map, space, regions, 0.0);
     map

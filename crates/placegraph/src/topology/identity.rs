@@ -4,6 +4,10 @@
 //! Pairs are taken greedily by their overlap relative to their union, largest first. A doorway that moved off
 //! its old cells is matched to the nearest one left.
 //!
+//! New places get the numbers after the one that was given last, and after [`PlaceId::MAX`] those from 1 on that no place has. So
+//! the number of a place that vanished is given to another one only after all others were: with 20 new places a night, after
+//! nine years.
+//!
 //! Cost: linear in the stretches of both maps on the new grid.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,7 +36,7 @@ pub enum Change {
     },
     /// A place that is no longer there.
     Vanished {
-        /// Its number in the earlier result; it is not given to another place.
+        /// Its number in the earlier result.
         place: PlaceId,
         /// Its name.
         name: String,
@@ -77,6 +81,7 @@ impl CarriedOver {
             .map(|place| (place.id, numbers.get(&place.id).copied().unwrap_or(place.id)))
             .collect();
         let mut map = renumber(map, &renumbered);
+        map.last_id = map.places.last().map_or(PlaceId(0), |place| place.id);
         let given = given.iter().filter_map(|(id, name)| Some((*renumbered.get(id)?, name.as_str())));
         name_places(&mut map, &given.collect());
         Self { map, renumbered, changes: Vec::new() }
@@ -85,8 +90,8 @@ impl CarriedOver {
 
 /// Gives the places of `current`, which lie on the grid `shape`, the numbers and names they have in `previous`.
 ///
-/// The names in `given`, by number in `current`, win over earlier ones. Places without an earlier self get numbers
-/// above all earlier ones and default names.
+/// The names in `given`, by number in `current`, win over earlier ones. Places without an earlier self get new numbers
+/// and default names.
 pub fn carry_over(
     current: &TopologicalMap,
     shape: GridShape,
@@ -97,19 +102,24 @@ pub fn carry_over(
     let mut earlier_self = overlaps.best_pairs();
     pair_moved_doorways(current, previous, &mut earlier_self);
 
-    let mut next = previous.places.iter().map(|place| place.id.0).max().unwrap_or(0);
+    let kept: BTreeSet<PlaceId> = earlier_self.values().copied().collect();
+    let earlier: BTreeSet<PlaceId> = previous.places.iter().map(|place| place.id).collect();
+    let mut last_id = previous.last_id;
+    let mut new_ids = new_ids(last_id, &earlier, &kept);
     let renumbered: BTreeMap<PlaceId, PlaceId> = current
         .places
         .iter()
         .map(|place| {
             let number = earlier_self.get(&place.id).copied().unwrap_or_else(|| {
-                next += 1;
-                PlaceId(next)
+                last_id = new_ids.next().unwrap_or(PlaceId::MAX);
+                last_id
             });
             (place.id, number)
         })
         .collect();
+    drop(new_ids);
     let mut map = renumber(current, &renumbered);
+    map.last_id = last_id;
     let given: BTreeMap<PlaceId, &str> =
         given.iter().filter_map(|(id, name)| Some((*renumbered.get(id)?, name.as_str()))).collect();
     let mut names: BTreeMap<PlaceId, &str> = earlier_self
@@ -121,6 +131,20 @@ pub fn carry_over(
     name_places(&mut map, &names);
     let changes = overlaps.changes(previous, &earlier_self, &renumbered);
     CarriedOver { map, renumbered, changes }
+}
+
+/// Numbers for new places, in their order: those after `last`, then those from 1 on, that no place of the earlier result has;
+/// if there are too few, those of its places that are gone; and if all are taken, numbers above [`PlaceId::MAX`].
+fn new_ids<'a>(
+    last: PlaceId,
+    earlier: &'a BTreeSet<PlaceId>,
+    kept: &'a BTreeSet<PlaceId>,
+) -> impl Iterator<Item = PlaceId> + use<'a> {
+    let max = PlaceId::MAX.0;
+    let in_turn = move || (last.0.saturating_add(1)..=max).chain(1..=last.0.min(max)).map(PlaceId);
+    let unused = in_turn().filter(|id| !earlier.contains(id));
+    let vanished = in_turn().filter(|id| earlier.contains(id) && !kept.contains(id));
+    unused.chain(vanished).chain((max + 1..).map(PlaceId))
 }
 
 /// Names the places in `names`; the others get the default name of their class and number, made unique.
@@ -285,6 +309,73 @@ fn pair_moved_doorways(
     for (_, new, old) in pairs {
         if !earlier_self.contains_key(&new.id) && taken.insert(old.id) {
             earlier_self.insert(new.id, old.id);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ids(numbers: impl IntoIterator<Item = u32>) -> BTreeSet<PlaceId> {
+        numbers.into_iter().map(PlaceId).collect()
+    }
+
+    fn first_ids(n: usize, last: u32, earlier: &[u32], kept: &[u32]) -> Vec<u32> {
+        let (earlier, kept) = (ids(earlier.iter().copied()), ids(kept.iter().copied()));
+        new_ids(PlaceId(last), &earlier, &kept).take(n).map(|id| id.0).collect()
+    }
+
+    #[test]
+    fn numbers_are_given_in_turn() {
+        assert_eq!(
+            first_ids(3, 7, &[1, 2, 5], &[1]),
+            [8, 9, 10],
+            "not 5, which vanished, nor 6, which was given before"
+        );
+        let max = PlaceId::MAX.0;
+        assert_eq!(
+            first_ids(4, max - 1, &[1, 3], &[3]),
+            [max, 2, 4, 5],
+            "after the last number come those that are free"
+        );
+        assert_eq!(first_ids(2, u32::MAX, &[u32::MAX], &[]), [1, 2], "nothing wraps");
+    }
+
+    #[test]
+    fn numbers_of_vanished_places_are_given_again_only_where_no_others_are_left() {
+        let max = PlaceId::MAX.0;
+        let earlier: Vec<u32> = (1..=max).collect();
+        let kept: Vec<u32> = (1..=max).filter(|id| id % 2 == 0).collect();
+        assert_eq!(first_ids(2, 10, &earlier, &kept), [11, 13]);
+        assert_eq!(first_ids(2, 10, &earlier, &earlier), [max + 1, max + 2]);
+    }
+
+    /// 1000 places; every night 300 are replaced by others.
+    #[test]
+    fn twenty_years_of_nights_keep_numbers_small_and_apart() {
+        let mut last = PlaceId(1000);
+        let mut places: Vec<PlaceId> = (1..=1000).map(PlaceId).collect();
+        let mut given_on: BTreeMap<PlaceId, u32> = BTreeMap::new();
+        for night in 1..=20 * 365 {
+            let earlier: BTreeSet<PlaceId> = places.iter().copied().collect();
+            let first = night as usize * 7919 % 700;
+            let kept: BTreeSet<PlaceId> = places
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| !(first..first + 300).contains(i))
+                .map(|(_, &id)| id)
+                .collect();
+            let new: Vec<PlaceId> = new_ids(last, &earlier, &kept).take(300).collect();
+            last = new[299];
+            for &id in &new {
+                assert!((PlaceId(1)..=PlaceId::MAX).contains(&id) && !earlier.contains(&id));
+                if let Some(before) = given_on.insert(id, night) {
+                    assert!(night - before >= 200, "{id:?} again after {} nights", night - before);
+                }
+            }
+            places = kept.into_iter().chain(new).collect();
+            assert_eq!(places.len(), 1000);
         }
     }
 }

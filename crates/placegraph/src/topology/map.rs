@@ -8,9 +8,14 @@ use crate::labels::Role;
 use crate::regions::RegionId;
 
 /// Number of a place: its region's value in the region image, from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct PlaceId(pub u32);
+
+impl PlaceId {
+    /// The largest number of a place: a region image has 16 bits a pixel.
+    pub const MAX: Self = Self(u16::MAX as u32);
+}
 
 /// An outline: the exterior ring counter-clockwise, holes clockwise, no ring repeats its first point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -166,6 +171,10 @@ pub struct TopologicalMap {
     pub places: Vec<Place>,
     /// The edges, by their ends.
     pub connections: Vec<Connection>,
+    /// The number that was given last, here or in an earlier result whose numbers are kept: the next new place gets one
+    /// after it ([`super::identity`]).
+    #[serde(default)]
+    pub last_id: PlaceId,
 }
 
 impl TopologicalMap {
@@ -203,6 +212,7 @@ impl TopologicalMap {
         Self {
             places: places.collect(),
             connections: self.connections.iter().filter(both).cloned().collect(),
+            last_id: self.last_id,
         }
     }
 

@@ -1,5 +1,7 @@
 //! What people may call a place.
 
+use crate::text::is_shown;
+
 /// Longest name of a place, in characters.
 pub const MAX_NAME_CHARS: usize = 200;
 
@@ -48,7 +50,7 @@ pub fn check_name(name: &str) -> Result<(), NameError> {
     if n_chars > MAX_NAME_CHARS {
         return Err(NameError::Long { found: n_chars });
     }
-    if let Some(found) = name.chars().find(|&c| !is_printable(c)) {
+    if let Some(found) = name.chars().find(|&c| !is_shown(c)) {
         return Err(NameError::Control { found });
     }
     if name.trim().parse::<f64>().is_ok() {
@@ -58,13 +60,6 @@ pub fn check_name(name: &str) -> Result<(), NameError> {
         return Err(NameError::Slash { found: name.to_owned() });
     }
     Ok(())
-}
-
-/// Neither a control character nor one that changes the direction or the line of the text around it.
-fn is_printable(c: char) -> bool {
-    let is_layout =
-        matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}');
-    !c.is_control() && !is_layout
 }
 
 #[cfg(test)]

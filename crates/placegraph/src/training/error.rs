@@ -1,5 +1,7 @@
 //! Why no model can be trained.
 
+use crate::boost::AdaBoostError;
+
 /// Why no model can be trained.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
@@ -52,6 +54,9 @@ pub enum TrainError {
     /// No free cell has a label.
     #[error("expected labeled free cells, found none")]
     NoLabels,
+    /// The list cannot be learned from the examples taken.
+    #[error(transparent)]
+    Boost(#[from] AdaBoostError),
     /// A class of which there are no cells.
     #[error("expected labeled free cells of every class, found none of {class:?}")]
     ClassAbsent {

@@ -114,8 +114,7 @@ pub(super) fn train_list(
     progress.begin(Stage::Boost);
     let labels = data.labels();
     let rows: Vec<u32> = (0..labels.len() as u32).collect();
-    let classifiers = adaboost(&data.table, &rows, &labels, label_set.len(), n_rounds, progress)
-        .map_err(|_| TrainError::NoLabels)?;
+    let classifiers = adaboost(&data.table, &rows, &labels, label_set.len(), n_rounds, progress)?;
     let scores = table_scores(&data.table, &rows, &CompiledClassifiers::new(&classifiers));
     let on_training = search_order(&scores, &labels, &data.cells_per_example, temperature);
     let order = best_order(validation.map_or(&on_training, |validation| &validation.orders)).order.clone();

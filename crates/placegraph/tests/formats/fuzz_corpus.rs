@@ -127,6 +127,11 @@ fn carmen() {
 }
 
 #[test]
+fn valetudo() {
+    replay("valetudo", fuzz_targets::valetudo);
+}
+
+#[test]
 fn label_image() {
     replay("label_image", fuzz_targets::label_image);
 }

@@ -116,6 +116,10 @@ fn thresholds_of_the_options_apply() {
     let folder = tempfile::tempdir().unwrap();
     let path: &Path = &folder.path().join("a.map");
     fs::write(path, file(1, 1)).unwrap();
-    let options = ReadOptions { free_thresh: Some(-0.5), ..Default::default() };
-    assert_eq!(load_map(path, &options).unwrap().grid.count(Occupancy::Unknown), 1);
+    let count = |options: &ReadOptions, state| load_map(path, options).map(|map| map.grid.count(state));
+    assert_eq!(count(&ReadOptions::default(), Occupancy::Free).unwrap(), 1);
+    let at_zero = ReadOptions { free_thresh: Some(0.0), occupied_thresh: Some(1e-9), ..Default::default() };
+    assert_eq!(count(&at_zero, Occupancy::Free).unwrap(), 1);
+    let below = ReadOptions { free_thresh: Some(-0.5), ..Default::default() };
+    assert!(count(&below, Occupancy::Free).is_err());
 }

@@ -5,20 +5,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use placegraph::geom::Pose2;
-use placegraph::grid::{Grid, MapFrame, Occupancy, OccupancyGrid};
-use placegraph::import::ros::{Interpretation, Mode};
+use placegraph::grid::{Cell, Grid, MapFrame, Occupancy, OccupancyGrid};
+use placegraph::import::ros::Interpretation;
 use placegraph::import::{
-    Finding, Format, Gray205, LoadedMap, ReadOptions, Severity, Source, check, load_map,
+    Finding, Format, Gray205, LoadedMap, ReadOptions, ReplacedImage, Severity, Source, check, load_map,
 };
 
 fn loaded(grid: OccupancyGrid) -> LoadedMap {
-    let source = Source {
-        format: Format::MapServer,
-        interpretation: Interpretation::default(),
-        gray_205: Gray205::Unknown,
-        gray_205_cells: 0,
-        transparent_cells: 0,
-    };
+    let source = Source::new(Format::MapServer, Interpretation::default());
     LoadedMap { grid, name: "map".into(), source, hash: String::new() }
 }
 
@@ -56,7 +50,6 @@ fn names(map: &LoadedMap) -> Vec<&'static str> {
 fn name(finding: &Finding) -> &'static str {
     match finding {
         Finding::NoFreeCell => "no free cell",
-        Finding::Thresholds { .. } => "thresholds",
         Finding::Gray205Unknown { .. } => "205 unknown",
         Finding::Gray205Free { .. } => "205 free",
         Finding::Inverted { .. } => "inverted",
@@ -64,6 +57,9 @@ fn name(finding: &Finding) -> &'static str {
         Finding::Resolution { .. } => "resolution",
         Finding::NoOccupiedCell => "no occupied cell",
         Finding::NoUnknownCell => "no unknown cell",
+        Finding::ReplacedImage(_) => "replaced image",
+        Finding::YawInDegrees { .. } => "yaw",
+        Finding::Smoothed { .. } => "smoothed",
         Finding::Transparent { .. } => "transparent",
         Finding::Specks { .. } => "specks",
         _ => "new",
@@ -115,14 +111,72 @@ fn maps_without_one_of_the_states() {
 #[test]
 fn how_the_map_was_read_is_told() {
     let mut map = room(60, 40, 0.05);
-    map.source.interpretation = Interpretation { free_thresh: 0.7, mode: Mode::Scale, ..Default::default() };
     map.source.transparent_cells = 3;
     map.source.gray_205_cells = 704;
-    assert_eq!(names(&map), ["thresholds", "205 unknown", "transparent"]);
+    map.source.blended_cells = 28;
+    map.source.replaced_image =
+        Some(ReplacedImage { named: "/home/someone/map.pgm".into(), read: "map.pgm".into() });
+    assert_eq!(names(&map), ["replaced image", "205 unknown", "smoothed", "transparent"]);
     let text = check(&map).to_string();
-    assert!(text.contains("704 cells, 25.0 %") && text.contains("--gray-205 as-file"), "{text}");
+    for words in [
+        "704 cells, 25.0 %",
+        "trust its thresholds",
+        "28 pixels (1.0 %)",
+        "/home/someone/map.pgm, which is not there; map.pgm beside it was read",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
     map.source.gray_205 = Gray205::AsFile;
     assert!(names(&map).contains(&"205 free"));
+}
+
+#[test]
+fn a_yaw_of_more_than_a_turn_may_be_in_degrees() {
+    let turned = |yaw_rad| {
+        let mut map = room(60, 40, 0.05);
+        map.grid.frame = MapFrame::new(0.05, Pose2::new(-3.0, -2.0, yaw_rad)).unwrap();
+        check(&map)
+    };
+    for degrees in [90.0, -90.0, 180.0, 45.0] {
+        let text = turned(degrees).to_string();
+        assert!(text.contains(&format!("write {:.6}", f64::to_radians(degrees))), "{text}");
+    }
+    for radians in [0.0, 1.6, -3.0, 6.2] {
+        assert!(turned(radians).findings.is_empty(), "{radians}");
+    }
+}
+
+#[test]
+fn specks_do_not_judge_the_scale() {
+    // As many single free cells outside of the walls as there are in the room, none beside another.
+    let room = room(60, 40, 0.05);
+    let (width, height) = (200, 200);
+    let at = |x: u32, y: u32| match (x < 64 && y < 44, x.is_multiple_of(3) && y.is_multiple_of(3)) {
+        (true, _) => room.grid.cells[Cell::new(x, y)],
+        (false, true) if x > 65 || y > 45 => Occupancy::Free,
+        _ => Occupancy::Unknown,
+    };
+    let cells = (0..height).flat_map(|y| (0..width).map(move |x| at(x, y))).collect();
+    let grid = OccupancyGrid { frame: room.grid.frame, cells: Grid::from_rows(width, height, cells) };
+    assert!(grid.count(Occupancy::Free) > 2 * 2400);
+    let map = loaded(grid);
+    assert_eq!(
+        names(&map).into_iter().filter(|name| *name != "border").collect::<Vec<_>>(),
+        ["inverted", "specks"][1..]
+    );
+    assert_eq!(check(&map).n_parts, 1);
+}
+
+#[test]
+fn parts_are_what_is_joined_and_large_enough() {
+    let map = OccupancyGrid::from_ascii(
+        0.5,
+        "
+        ....#.#..
+        ....###..
+        ",
+    );
+    assert_eq!(check(&loaded(map)).n_parts, 3);
 }
 
 #[test]

@@ -7,7 +7,9 @@ use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, Occupancy};
 use placegraph::import::image::{Channels, Raster, Samples};
 use placegraph::import::ros::{self, Interpretation, Mode, Rules};
-use placegraph::import::{Format, Gray205, MapError, NamedFiles, ReadOptions, load_map, read_image};
+use placegraph::import::{
+    Finding, Format, Gray205, MapError, NamedFiles, ReadOptions, check, load_map, read_image,
+};
 
 const YAML: &str = "image: map.pgm\nresolution: 0.05\norigin: [1, 2, 0.5]\nnegate: 0\n\
                     occupied_thresh: 0.65\nfree_thresh: 0.196\n";
@@ -48,7 +50,7 @@ fn every_gray_value_is_what_nav2_map_server_gives() {
             negate: case["negate"] == 1,
             occupied_thresh: case["occupied_thresh"].as_f64().unwrap(),
             free_thresh: case["free_thresh"].as_f64().unwrap(),
-            rules: Rules::Nav2,
+            rules: Rules::Jazzy,
         };
         for (gray, expected) in case["occupancy"].as_array().unwrap().iter().enumerate() {
             let found = ros::cell_value(gray as f64, 255, &how);
@@ -181,7 +183,11 @@ fn an_image_alone_needs_a_resolution() {
     let folder = folder("", b"P2 1 1 255 254");
     let image = folder.path().join("map.pgm");
     let error = cause(load_map(&image, &ReadOptions::default()).unwrap_err());
-    assert!(matches!(error, MapError::NoResolution));
+    assert!(matches!(&error, MapError::NoResolution { yaml: Some(yaml) } if yaml == "map.yaml"), "{error}");
+    assert!(error.to_string().contains("read map.yaml"), "{error}");
+    fs::remove_file(folder.path().join("map.yaml")).unwrap();
+    let error = cause(load_map(&image, &ReadOptions::default()).unwrap_err());
+    assert!(matches!(error, MapError::NoResolution { yaml: None }), "{error}");
     let options = ReadOptions { resolution_m: Some(0.05), ..Default::default() };
     assert!(load_map(&image, &options).unwrap().grid.is_free(Cell::new(0, 0)));
 }
@@ -227,6 +233,17 @@ fn bad_images_are_one_clear_error_each() {
     assert!(matches!(error(b"P2 0 5 255\n"), MapError::Empty { width: 0, height: 5 }));
     assert!(matches!(error(b"\x89PNG\r\n\x1a\n rest"), MapError::ImageData { .. }));
     let palette = include_bytes!("../corpus/map_image/palette_cut_off.png");
+    // Gray 205 would be the maximum, white, and free.
+    for image in
+        [&b"P5 2 1 100\n\x64\xcd"[..], b"P2 2 1 100\n100 205", b"P5 1 1 1000\n\x03\xe9", b"P3 1 1 9\n9 9 10"]
+    {
+        assert!(error(image).to_string().contains("above its maximum"), "{}", error(image));
+    }
+    for image in
+        [&b"P5 2 1 100\n\x64\x00"[..], b"P2 2 1 100\n100 0", b"P5 1 1 1000\n\x03\xe8", b"P1 2 1\n0 1"]
+    {
+        assert!(load_yaml(YAML, image).is_ok(), "{image:?}");
+    }
     assert!(error(palette).to_string().contains("a palette of 137 bytes"), "{}", error(palette));
 
     let folder = folder(YAML, b"P2 1 1 255 0");
@@ -241,12 +258,174 @@ fn bad_images_are_one_clear_error_each() {
 #[test]
 fn images_outside_the_folder_need_permission() {
     let image = folder("", b"P2 1 1 255 0");
-    let elsewhere = image.path().join("map.pgm");
-    for path in [elsewhere.to_str().unwrap(), "../map.pgm", "deeper/../../map.pgm"] {
+    fs::rename(image.path().join("map.pgm"), image.path().join("other.pgm")).unwrap();
+    let elsewhere = image.path().join("other.pgm");
+    for path in [elsewhere.to_str().unwrap(), "../other.pgm", "deeper/../../other.pgm"] {
         let error = cause(load_yaml(&YAML.replace("map.pgm", path), b"P2 1 1 255 0").unwrap_err());
-        assert!(matches!(error, MapError::Outside { .. }), "{path}");
+        assert!(matches!(error, MapError::Outside { beside, .. } if beside.is_empty()), "{path}");
     }
     let yaml = folder(&YAML.replace("map.pgm", elsewhere.to_str().unwrap()), b"");
     let options = ReadOptions { named_files: NamedFiles::Anywhere, ..Default::default() };
     assert_eq!(load_map(&yaml.path().join("map.yaml"), &options).unwrap().grid.cells.width(), 1);
+}
+
+#[test]
+fn the_path_of_another_machine_gives_way_to_the_image_beside() {
+    let names = [
+        "/home/someone/maps/map.pgm",
+        "~/map.pgm",
+        "file:///home/someone/map.pgm",
+        "package://robot_maps/map.pgm",
+        r"C:\maps\map.pgm",
+        r"maps\map.pgm",
+        "../maps/map.pgm",
+    ];
+    for named in names {
+        let map = load_yaml(&YAML.replace("map.pgm", named), b"P2 1 1 255 254").unwrap();
+        assert!(map.grid.is_free(Cell::new(0, 0)), "{named}");
+        let found = check(&map).findings;
+        let told = found.iter().any(
+            |f| matches!(f, Finding::ReplacedImage(image) if image.named == named && image.read == "map.pgm"),
+        );
+        assert!(told, "{named}: {found:?}");
+    }
+    // Nothing of that name beside it: what is named is wrong, or not there.
+    for named in ["/home/someone/office.pgm", "office.pgm"] {
+        let error = load_yaml(&YAML.replace("map.pgm", named), b"P2 1 1 255 254").unwrap_err();
+        assert!(error.to_string().contains("office.pgm"), "{error}");
+    }
+    // What is there, but outside, is not passed over in silence.
+    let elsewhere = folder("", b"P2 1 1 255 0");
+    let named = elsewhere.path().join("map.pgm");
+    let error = load_yaml(&YAML.replace("map.pgm", named.to_str().unwrap()), b"P2 1 1 255 254").unwrap_err();
+    assert!(error.to_string().contains("but map.pgm lies there: write the name of the right one"), "{error}");
+}
+
+#[test]
+fn thresholds_without_room_between_them_are_refused() {
+    for (occupied, free) in [("65", "25"), ("0.196", "0.65"), ("0.5", "0.5"), ("0.65", "-1"), ("-3", "0.196")]
+    {
+        let yaml =
+            YAML.replace("0.65", occupied).replace("free_thresh: 0.196", &format!("free_thresh: {free}"));
+        for mode in ["trinary", "scale", "raw"] {
+            let error = load_yaml(&format!("{yaml}mode: {mode}\n"), b"P2 1 1 255 0").unwrap_err();
+            let message = error.to_string();
+            assert!(matches!(cause(error), MapError::Thresholds { .. }), "{message}");
+            assert!(
+                message.contains(&format!("free_thresh {free} must be below occupied_thresh {occupied}")),
+                "{message}"
+            );
+        }
+    }
+    let options = ReadOptions { free_thresh: Some(0.7), ..Default::default() };
+    let error = load_map(&folder(YAML, b"P2 1 1 255 0").path().join("map.yaml"), &options).unwrap_err();
+    assert!(matches!(cause(error), MapError::Thresholds { .. }));
+}
+
+/// One pixel as the loader of Nav2 on Humble takes it, written from its formulas.
+fn humble(rgba: [u8; 4], has_alpha: bool, how: &Interpretation) -> i64 {
+    let [r, g, b, a] = rgba.map(f64::from);
+    let mean = if has_alpha && how.mode == Mode::Trinary { (r + g + b + a) / 4.0 } else { (r + g + b) / 3.0 };
+    let shade = mean / 255.0;
+    let occupied = if how.negate { shade } else { 1.0 - shade };
+    let graded = (occupied - how.free_thresh) / (how.occupied_thresh - how.free_thresh) * 100.0;
+    match how.mode {
+        Mode::Raw if (shade * 255.0).round() <= 100.0 => (shade * 255.0).round() as i64,
+        Mode::Raw => -1,
+        Mode::Scale if has_alpha && a < 255.0 => -1,
+        _ if how.occupied_thresh < occupied => 100,
+        _ if occupied < how.free_thresh => 0,
+        Mode::Trinary => -1,
+        Mode::Scale => graded.round_ties_even() as i64,
+    }
+}
+
+#[test]
+fn every_pixel_is_what_nav2_gives_on_humble() {
+    let colors = (0..=255u8).flat_map(|v| [[v; 3], [v, v / 2, 255 - v]]);
+    let pixels: Vec<[u8; 4]> =
+        colors.flat_map(|[r, g, b]| [255, 254, 128, 0].map(|alpha| [r, g, b, alpha])).collect();
+    let mut n_not_jazzy = 0;
+    for mode in [Mode::Trinary, Mode::Scale, Mode::Raw] {
+        for (negate, occupied_thresh, free_thresh) in [
+            (false, 0.65, 0.196),
+            (true, 0.65, 0.196),
+            (false, 0.65, 0.25),
+            (false, 0.9, 0.1),
+            (true, 1.0, 0.0),
+        ] {
+            let how = Interpretation { mode, negate, occupied_thresh, free_thresh, rules: Rules::Humble };
+            for (channels, has_alpha) in [(Channels::Rgba, true), (Channels::Rgb, false)] {
+                let n = if has_alpha { 4 } else { 3 };
+                let samples = pixels.iter().flat_map(|pixel| &pixel[..n]).copied().collect();
+                let raster = Raster {
+                    width: pixels.len() as u32,
+                    height: 1,
+                    channels,
+                    samples: Samples::Eight(samples),
+                };
+                let jazzy = Interpretation { rules: Rules::Jazzy, ..how };
+                let value = |how: &Interpretation| -> Vec<i8> {
+                    let measured = ros::brightness(raster.clone(), how);
+                    let gray = |sum: u16| f64::from(sum) / f64::from(measured.divisor);
+                    measured
+                        .cells
+                        .values()
+                        .iter()
+                        .map(|&(sum, a)| ros::cell_value(gray(sum), a, how))
+                        .collect()
+                };
+                for ((pixel, found), jazzy) in pixels.iter().zip(value(&how)).zip(value(&jazzy)) {
+                    assert_eq!(i64::from(found), humble(*pixel, has_alpha, &how), "{pixel:?} {how:?}");
+                    n_not_jazzy += usize::from(found != jazzy);
+                }
+            }
+        }
+    }
+    assert!(n_not_jazzy > 1000, "the releases differ: {n_not_jazzy}");
+}
+
+#[test]
+fn a_bmp_is_read_like_the_png_of_its_pixels() {
+    let gray = [[0u8, 205, 254], [254, 254, 0]];
+    let expected = [
+        Occupancy::Free,
+        Occupancy::Free,
+        Occupancy::Occupied,
+        Occupancy::Occupied,
+        Occupancy::Unknown,
+        Occupancy::Free,
+    ];
+    let mut files: Vec<(&str, Vec<u8>)> = Vec::new();
+    // 8 bits with a gray palette, as map_saver writes it: rows from the bottom, each filled up to four bytes.
+    let mut palette = bmp_header(3, 2, 8, 54 + 1024, 1024);
+    palette.extend((0..=255u8).flat_map(|v| [v, v, v, 0]));
+    palette.extend(gray.iter().rev().flat_map(|row| row.iter().chain(&[0])));
+    files.push(("8 bits", palette));
+    // 24 bits, rows from the top.
+    let mut colors = bmp_header(3, -2, 24, 54, 0);
+    colors.extend(gray.iter().flat_map(|row| row.iter().chain(&[0]).flat_map(|&v| [v; 3])));
+    files.push(("24 bits", colors));
+    for (name, bytes) in files {
+        let map = load_yaml(YAML, &bytes).unwrap();
+        assert_eq!(map.grid.cells.values(), expected, "{name}");
+        for n in 0..bytes.len() - 6 {
+            assert!(load_yaml(YAML, &bytes[..n]).is_err(), "{name} cut off at {n}");
+        }
+    }
+    let huge = bmp_header(30_000, 30_000, 8, 1078, 1024);
+    assert!(matches!(
+        cause(load_yaml(YAML, &huge).unwrap_err()),
+        MapError::TooManyCells { .. } | MapError::ImageData { .. }
+    ));
+}
+
+/// Header of a BMP file with `n_palette` bytes of palette and pixels from byte `offset` on.
+fn bmp_header(width: i32, height: i32, bits: u16, offset: u32, n_palette: u32) -> Vec<u8> {
+    let mut header = b"BM".to_vec();
+    header.extend([0u32, 0, offset, 40].map(u32::to_le_bytes).as_flattened());
+    header.extend([width, height].map(i32::to_le_bytes).as_flattened());
+    header.extend([1, bits].map(u16::to_le_bytes).as_flattened());
+    header.extend([0u32, 0, 3780, 3780, n_palette / 4, 0].map(u32::to_le_bytes).as_flattened());
+    header
 }

@@ -1,11 +1,11 @@
 //! `topology.json`: the same bytes after reading and writing, and what is refused.
 
 use placegraph::export::{MapInfo, TopologyDocument, TopologyError};
-use placegraph::geom::Pose2;
+use placegraph::geom::{Point2, Pose2};
 use placegraph::grid::{CellGraph, FreeSpace, MapFrame, OccupancyGrid};
 use placegraph::labels::{Label, LabelField, LabelSet};
 use placegraph::regions::{DiagonalSteps, connected};
-use placegraph::topology::build;
+use placegraph::topology::{PlaceId, Route, build};
 
 /// Corridor, doorway and room in a turned frame.
 fn document() -> TopologyDocument {
@@ -104,6 +104,98 @@ fn contradictions_are_refused() {
         read(&with("\"a\": 2", "\"a\": 3")),
         Err(TopologyError::ConnectionOrder { a: 3, b: 3 })
     ));
+}
+
+/// The document's text after `change`.
+fn changed(change: impl FnOnce(&mut TopologyDocument)) -> Result<TopologyDocument, TopologyError> {
+    let mut document = document();
+    change(&mut document);
+    read(&document.to_json().unwrap())
+}
+
+#[test]
+fn what_contradicts_itself_in_numbers_and_names_is_refused() {
+    use TopologyError as E;
+    assert!(matches!(
+        changed(|d| d.places[1].name = d.places[0].name.clone()),
+        Err(E::PlaceName { place: 2, .. })
+    ));
+    for name in ["", "a\nb", "\u{7}bell", "\u{1b}]0;title\u{7}", "\u{fffe}", &"x".repeat(401)] {
+        assert!(
+            matches!(changed(|d| d.places[0].name = name.into()), Err(E::PlaceName { place: 1, .. })),
+            "{name:?}"
+        );
+    }
+    assert!(matches!(changed(|d| d.places[0].probability = 5.0), Err(E::Probability { place: 1, .. })));
+    assert!(matches!(changed(|d| d.places[0].area_m2 *= 1.01), Err(E::Area { place: 1, .. })));
+    assert!(matches!(changed(|d| d.places[0].n_cells += 1), Err(E::Area { place: 1, .. })));
+    let more_cells = changed(|d| {
+        d.places[0].n_cells = 28;
+        d.places[0].area_m2 = 0.28;
+    });
+    assert!(matches!(more_cells, Err(E::Cells { n_cells: 27 })));
+    let with_sides = |sides: &[u32]| {
+        changed(|d| {
+            d.places[2].doorway.as_mut().unwrap().sides = sides.iter().map(|&id| PlaceId(id)).collect();
+        })
+    };
+    assert!(with_sides(&[2, 1]).is_ok() && with_sides(&[]).is_ok());
+    assert!(matches!(with_sides(&[1, 3]), Err(E::Sides { place: 3, found: 3 })));
+    assert!(matches!(with_sides(&[1, 2, 1]), Err(E::Sides { place: 3, found: 1 })));
+    for id in [65_536, u32::MAX] {
+        assert!(matches!(
+            changed(|d| d.places[2].id = PlaceId(id)),
+            Err(E::PlaceId { .. } | E::UnknownPlace { .. })
+        ));
+    }
+    let route = |line: Vec<Point2>, length_m| {
+        changed(|d| d.connections[0].route = Some(Route { length_m, clearance_m: None, line }))
+    };
+    let ends = |d: &TopologyDocument| vec![d.places[0].anchor, d.places[2].anchor];
+    let straight_m = document().places[0].anchor.distance(document().places[2].anchor);
+    assert!(route(ends(&document()), straight_m).is_ok());
+    assert!(matches!(route(Vec::new(), 1.0), Err(E::Route { n_points: 0, .. })));
+    assert!(matches!(route(ends(&document()), straight_m - 0.2), Err(E::Route { n_points: 2, .. })));
+}
+
+#[test]
+fn outlines_that_no_cells_have_are_refused() {
+    // Along the same corners again and again: each place by itself is in order, the rows of all are too many.
+    let again = |n: usize| {
+        changed(|d| {
+            let ring = &mut d.places[0].outline[0].exterior;
+            *ring = ring.iter().copied().cycle().take(n * ring.len()).collect();
+        })
+    };
+    assert!(again(2).is_ok());
+    assert!(matches!(again(100), Err(TopologyError::Outlines { n_cells: 27 })));
+}
+
+#[test]
+fn documents_are_bounded_as_maps_are() {
+    let document = document();
+    assert!(document.check_size(27).is_ok());
+    let error = document.check_size(26).unwrap_err();
+    assert!(matches!(error, TopologyError::TooManyCells { width: 9, height: 3, max_cells: 26 }), "{error}");
+}
+
+#[test]
+fn the_last_number_given_is_kept() {
+    let mut document = document();
+    assert_eq!(document.topology().last_id, PlaceId(3));
+    document.last_place_id = Some(PlaceId(17));
+    let text = document.to_json().unwrap();
+    assert_eq!(read(&text).unwrap().topology().last_id, PlaceId(17));
+    let older = text.replacen("\"last_place_id\": 17,", "", 1);
+    assert_ne!(older, text);
+    assert_eq!(read(&older).unwrap().topology().last_id, PlaceId(3));
+}
+
+#[test]
+fn findings_are_there_also_if_there_are_none() {
+    let mut document = document();
+    document.findings.clear();
+    assert!(document.to_json().unwrap().contains("\"findings\": []"));
 }
 
 #[test]

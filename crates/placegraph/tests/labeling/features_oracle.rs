@@ -1,7 +1,7 @@
 //! The engine's features against the plain formulas, cell by cell.
 
 use placegraph::features::{all, extract, of_scan};
-use placegraph::grid::{Cell, CellGraph, OccupancyGrid};
+use placegraph::grid::{Cell, CellGraph, Grid, Occupancy, OccupancyGrid};
 use placegraph::progress::Silent;
 use placegraph::scan::{self, RangeScan, ScanConfig};
 use placegraph_testkit::plain_features::plain_feature;
@@ -83,4 +83,42 @@ fn equal_ranges_have_no_spread_and_no_kurtosis() {
             assert_eq!(value.to_bits(), 0.0f32.to_bits(), "{}", id.feature().name);
         }
     }
+}
+
+/// A hall of 60 m with pillars here and there: beams end at all distances, next to one another.
+fn hall_with_pillars() -> OccupancyGrid {
+    let mut grid = OccupancyGrid::from_ascii(0.25, ".");
+    let side = 240;
+    let mut state = 1u32;
+    let mut dice = |n: u32| {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 8) % n
+    };
+    let pillars: Vec<[u32; 3]> = (0..60).map(|_| [dice(side), dice(side), 1 + dice(6)]).collect();
+    let is_wall = |cell: Cell| {
+        let on_border = cell.x == 0 || cell.y == 0 || cell.x == side - 1 || cell.y == side - 1;
+        let in_pillar =
+            |&[x, y, size]: &[u32; 3]| (x..x + size).contains(&cell.x) && (y..y + size).contains(&cell.y);
+        on_border || pillars.iter().any(in_pillar)
+    };
+    let state = |cell| if is_wall(cell) { Occupancy::Occupied } else { Occupancy::Free };
+    let cells = Grid::filled(side, side, ()).cells().map(state).collect();
+    grid.cells = Grid::from_rows(side, side, cells);
+    grid
+}
+
+/// Every column is told from every other one by the formulas, so that a column in the place of another would not agree.
+#[test]
+fn no_column_could_stand_for_another() {
+    let grid = hall_with_pillars();
+    let cells = every(&grid, 409);
+    assert_agree(&grid, &cells, &ScanConfig::default());
+    let columns = all();
+    let table = extract(&grid, &cells, &columns, &ScanConfig::default(), &Silent);
+    let mut alike = Vec::new();
+    for (column, id) in columns.iter().enumerate() {
+        let same = (0..column).filter(|&other| table.column(other) == table.column(column));
+        alike.extend(same.map(|other| (columns[other].feature().name.clone(), id.feature().name.clone())));
+    }
+    assert!(alike.iter().all(|(a, b)| a == "B9" && b == "f19_2"), "{alike:?}");
 }

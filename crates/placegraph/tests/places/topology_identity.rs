@@ -43,6 +43,32 @@ fn the_same_map_keeps_everything() {
 }
 
 #[test]
+fn the_number_of_a_vanished_place_is_given_to_no_other() {
+    let building = building::drawn(Pose2::default());
+    let mut before = named();
+    assert_eq!(before.last_id, before.places.last().unwrap().id);
+    // Two nights ago the last place was another one, which vanished: nothing but `last_id` knows of its number.
+    let gone = before.places.pop().unwrap().id;
+    before.connections.retain(|connection| connection.a != gone && connection.b != gone);
+    let found = carry_over(&building.map, building.shape(), &before, &BTreeMap::new()).map;
+    let new = PlaceId(gone.0 + 1);
+    assert!(found.place(gone).is_none() && found.place(new).is_some());
+    assert_eq!(found.last_id, new);
+    // Nor while it is still in the document, in the night in which it vanishes.
+    let mut moved = named();
+    moved.places.last_mut().unwrap().outline.clear();
+    moved.places.last_mut().unwrap().doorway = None;
+    let found = carry_over(&building.map, building.shape(), &moved, &BTreeMap::new()).map;
+    assert!(found.place(gone).is_none() && found.place(new).is_some());
+    // Documents with numbers that no region image holds are refused; of a map made otherwise nothing wraps.
+    let mut huge = named();
+    huge.last_id = PlaceId(u32::MAX);
+    huge.places.pop();
+    let found = carry_over(&building.map, building.shape(), &huge, &BTreeMap::new()).map;
+    assert!(found.places.iter().all(|place| (PlaceId(1)..=PlaceId::MAX).contains(&place.id)));
+}
+
+#[test]
 fn names_given_by_hand_win_over_earlier_ones() {
     let building = building::drawn(Pose2::default());
     // The second place takes the name that the first has had.

@@ -18,8 +18,12 @@ use placegraph::topology::reach::{self, GraphCheck};
 use super::setup::{Context, Setup};
 use crate::commands::Outcome;
 use crate::document::{self, DOCUMENT};
+use crate::hints;
 use crate::output::OutputSet;
 use crate::progress::Watch;
+
+/// What a run takes beside the map and what grows with it.
+const BASE_BYTES: u64 = 64 << 20;
 
 /// A labeled map whose files are not yet written.
 #[derive(Debug)]
@@ -37,11 +41,14 @@ pub(super) fn label(map: &LoadedMap, setup: &Setup<'_>, context: &Context, watch
     let model = &setup.model.model;
     let n_free = map.grid.count(Occupancy::Free) as u64;
     let n_labels = model.label_set.len();
-    let n_bytes = pipeline::memory_bytes(map.grid.cells.values().len() as u64, n_free, n_labels);
-    ensure!(
-        has_memory(n_bytes),
-        "expected {n_bytes} bytes of memory to label {n_free} free cells, found less"
-    );
+    let n_cells = map.grid.cells.values().len() as u64;
+    let check_memory = |n_places| {
+        let n_bytes = BASE_BYTES + pipeline::memory_bytes(n_cells, n_free, n_labels, n_places);
+        ensure!(has_memory(n_bytes), "not enough memory: labeling {n_free} free cells needs {n_bytes} bytes");
+        Ok(())
+    };
+    check_memory(0)?;
+    check_memory(pipeline::n_parts(&map.grid))?;
     let info = MapInfo::of(&map.grid, &map.name, &map.hash);
     if let Some(found) = context.previous_frame_id.as_ref().filter(|found| **found != info.frame_id) {
         bail!("expected an earlier result in the frame {:?}, found {found:?}", info.frame_id);
@@ -58,8 +65,8 @@ pub(super) fn label(map: &LoadedMap, setup: &Setup<'_>, context: &Context, watch
     document.program.options.clone_from(&context.options);
     let unapplied = unapplied_edits(&analysis, context);
     let errors = findings.iter().filter(|finding| finding.severity() == Severity::Error);
-    document.errors = errors.map(ToString::to_string).chain(unapplied.iter().cloned()).collect();
-    document.findings = findings.iter().map(ToString::to_string).chain(unapplied).collect();
+    document.errors = errors.map(hints::told).chain(unapplied.iter().cloned()).collect();
+    document.findings = findings.iter().map(hints::told).chain(unapplied).collect();
     let robot = &context.config.robot;
     document.graph = Some(GraphCheck::of(&analysis.topology, robot.radius_m));
     document.findings.extend(reach::remarks(&analysis.topology, robot));

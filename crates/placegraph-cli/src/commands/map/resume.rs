@@ -15,7 +15,7 @@ pub(super) fn kept(
     setup: &Setup<'_>,
     context: &Context,
 ) -> Option<TopologyDocument> {
-    let found = document::read(&folder.join(DOCUMENT)).ok()?;
+    let found = document::read(&folder.join(DOCUMENT), setup.args.read.max_cells).ok()?;
     let is_same = found.program.version == env!("CARGO_PKG_VERSION")
         && found.program.options == context.options
         && found.map.hash == map.hash

@@ -1,6 +1,6 @@
 //! What was typed, read: the model, the masks, and for every map its edits and its earlier result.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
 use placegraph::export::{Format, MaskSettings, TopologyDocument};
@@ -65,7 +65,8 @@ impl<'a> Setup<'a> {
     pub(super) fn context(&self, _job: &Job) -> Result<Context> {
         let mut options = self.options.clone();
         options.extend(self.formats.iter().map(|format| format!("--export {}", format.name)));
-        let previous = self.args.previous.as_deref().map(document::read_hashed).transpose()?;
+        let read = |path: &Path| document::read_hashed(path, self.args.read.max_cells);
+        let previous = self.args.previous.as_deref().map(read).transpose()?;
         let edits = self.args.edits.as_deref().map(read_edits).transpose()?;
         options.extend(previous.as_ref().map(|(_, hash)| format!("--previous sha256:{hash}")));
         options.extend(edits.as_ref().map(|(_, hash)| format!("--edits sha256:{hash}")));
@@ -90,7 +91,7 @@ impl<'a> Setup<'a> {
 }
 
 /// The edits in a file, and the hash of the bytes that they were read from.
-fn read_edits(path: &std::path::Path) -> Result<(Vec<Edit>, String)> {
+fn read_edits(path: &Path) -> Result<(Vec<Edit>, String)> {
     let text = read::text(path, "edit file")?;
     let file = EditFile::from_toml(&text).with_context(|| format!("in {}", path.display()))?;
     Ok((file.edits, sha256_hex(text.as_bytes())))
@@ -133,6 +134,7 @@ fn options(args: &MapArgs, masks_hash: Option<&str>) -> Vec<String> {
         (*probabilities, "--probabilities"),
         (*no_doorways, "--no-doorways"),
         (*no_correction, "--no-correction"),
+        (*rules == RulesArg::Humble, "--rules humble"),
         (*rules == RulesArg::Ros1, "--rules ros1"),
         (*trust_thresholds, "--trust-thresholds"),
     ];

@@ -33,6 +33,8 @@ pub use walls::{OnMap, apply_to_map};
 
 use super::names::{NameError, check_name};
 use crate::syntax::SyntaxError;
+#[cfg(feature = "import")]
+use crate::syntax::from_toml;
 
 /// An edit file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -48,10 +50,10 @@ pub struct EditFile {
 #[non_exhaustive]
 pub enum EditFileError {
     /// Not TOML, or an unknown action or key.
-    #[error("expected an edit file: {source}")]
+    #[error("expected an edit file: {error}")]
     Toml {
         /// What the TOML reader found, and where.
-        source: SyntaxError,
+        error: SyntaxError,
     },
     /// A coordinate is not a number.
     #[error("expected finite numbers in edit {edit}, found {found}")]
@@ -62,12 +64,12 @@ pub enum EditFileError {
         found: f64,
     },
     /// A name that a place cannot have.
-    #[error("in edit {edit}: {source}")]
+    #[error("in edit {edit}: {error}")]
     Name {
         /// Number of the edit, from 1.
         edit: usize,
         /// What is wrong with it.
-        source: NameError,
+        error: NameError,
     },
     /// A width that an opening cannot have.
     #[error("expected a width of {MIN_OPENING_M} to {MAX_OPENING_M} m in edit {edit}, found {found}")]
@@ -91,8 +93,7 @@ impl EditFile {
     /// If it is not TOML, has an unknown action or key, a number that is not finite, or a name that a place cannot have.
     #[cfg(feature = "import")]
     pub fn from_toml(text: &str) -> Result<Self, EditFileError> {
-        let file: Self =
-            toml::from_str(text).map_err(|error| EditFileError::Toml { source: SyntaxError::of(&error) })?;
+        let file: Self = from_toml(text).map_err(|error| EditFileError::Toml { error })?;
         file.check()?;
         Ok(file)
     }
@@ -107,7 +108,7 @@ impl EditFile {
                 return Err(EditFileError::Number { edit, found });
             }
             if let Edit::Rename { name, .. } = kind {
-                check_name(name).map_err(|source| EditFileError::Name { edit, source })?;
+                check_name(name).map_err(|error| EditFileError::Name { edit, error })?;
             }
             if let Edit::Open { width_m: found, .. } = *kind
                 && !(MIN_OPENING_M..=MAX_OPENING_M).contains(&found)

@@ -8,9 +8,10 @@ use placegraph::export::{
     rmf_nav_graph, speed_mask, tmap2, vector_shapes, zone_mask,
 };
 use placegraph::geom::Point2;
-use placegraph::grid::{FreeSpace, OccupancyGrid};
+use placegraph::grid::{FreeSpace, Occupancy, OccupancyGrid};
 use placegraph::import::{
     Format, LabelCoding, ReadOptions, TrainingFile, carmen, image, read_image, read_labels, read_rooms, ros,
+    valetudo,
 };
 use placegraph::labels::{Label, LabelField, LabelSet, Labeling};
 use placegraph::model::{Method, Model};
@@ -50,6 +51,17 @@ pub fn map_image(bytes: &[u8]) {
 pub fn carmen(bytes: &[u8]) {
     if let Ok(map) = carmen::parse(bytes, MAX_CELLS) {
         assert!(map.probabilities.values().iter().all(|p| (-1.001..=1.001).contains(p)));
+    }
+}
+
+/// Maps of robot vacuums.
+pub fn valetudo(bytes: &[u8]) {
+    if let Ok(map) = valetudo::parse(bytes, MAX_CELLS) {
+        let size = (map.cells.width(), map.cells.height());
+        assert!((map.segments.width(), map.segments.height()) == size && map.frame.resolution_m() > 0.0);
+        let states = map.cells.values().iter().zip(map.segments.values());
+        assert!(states.into_iter().all(|(&state, &segment)| segment == 0 || state == Occupancy::Free));
+        assert_eq!(read_rooms(bytes, size).ok(), Some(map.segments));
     }
 }
 
