@@ -10,7 +10,7 @@ use clap_complete::Shell;
 
 pub(crate) use edit::EditArgs;
 use placegraph::export::Format;
-pub(crate) use values::{CropArg, Formats, PlacePointArg, PointArg};
+pub(crate) use values::{CropArg, Formats, GeoArg, PlacePointArg, PointArg};
 
 /// Most cells of a map unless asked otherwise.
 pub(crate) const MAX_CELLS: u64 = 400_000_000;
@@ -52,6 +52,8 @@ pub(crate) enum Command {
     Generate(GenerateArgs),
     /// Write a topology.json in another program's format
     Export(ExportArgs),
+    /// Find the turn and the shift between the frames of two results
+    Align(AlignArgs),
     /// List the places of a result
     List(ListArgs),
     /// Write a correction into an edit file: docs/edits.md
@@ -130,6 +132,10 @@ pub(crate) struct MapArgs {
     /// What the costs, limits and zones of masks are: docs/exports.md
     #[arg(long, value_name = "MASKS.toml")]
     pub(crate) masks: Option<PathBuf>,
+    /// Where the map stands on Earth, so that GeoJSON is in degrees: of the map frame's origin, and where its y axis points,
+    /// clockwise from north
+    #[arg(long, value_name = "LAT,LON,HEADING", allow_hyphen_values = true)]
+    pub(crate) georeference: Option<GeoArg>,
     /// What the robot's center needs on all sides: routes, stations and masks keep it, and the graph is checked
     #[arg(long, value_name = "METERS", default_value_t = 0.0, value_parser = values::radius)]
     pub(crate) robot_radius: f64,
@@ -139,6 +145,9 @@ pub(crate) struct MapArgs {
     /// Keep the numbers and names of this earlier result, and print what changed
     #[arg(long, value_name = "TOPOLOGY.json")]
     pub(crate) previous: Option<PathBuf>,
+    /// The earlier result is in another frame: find the turn and the shift first
+    #[arg(long, requires = "previous")]
+    pub(crate) align: bool,
     /// Apply these corrections by hand: docs/edits.md
     #[arg(long, value_name = "EDITS.toml")]
     pub(crate) edits: Option<PathBuf>,
@@ -384,8 +393,25 @@ pub(crate) struct ExportArgs {
     /// The map that the result was made from, for its picture in the report
     #[arg(long, value_name = "MAP")]
     pub(crate) map: Option<PathBuf>,
+    /// Where the map stands on Earth, so that GeoJSON is in degrees: of the map frame's origin, and where its y axis points,
+    /// clockwise from north
+    #[arg(long, value_name = "LAT,LON,HEADING", allow_hyphen_values = true)]
+    pub(crate) georeference: Option<GeoArg>,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct AlignArgs {
+    /// The earlier result: its folder or its topology.json
+    #[arg(value_name = "OLD")]
+    pub(crate) old: PathBuf,
+    /// The later one
+    #[arg(value_name = "NEW")]
+    pub(crate) new: PathBuf,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Debug, Args)]

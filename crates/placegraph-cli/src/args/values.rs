@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use placegraph::export::{FORMATS, Format};
+use placegraph::export::{FORMATS, Format, Georeference};
 use placegraph::topology::reach::MAX_RADIUS_M;
 
 /// Pixels of an image, y down, upper bounds exclusive.
@@ -48,6 +48,29 @@ impl FromStr for PointArg {
         match comma_separated::<f64>(text).as_deref() {
             Some(&[x, y]) if x.abs() <= FARTHEST_M && y.abs() <= FARTHEST_M => Ok(Self { x, y }),
             _ => Err(format!("expected X,Y in meters of a place on Earth, found {text:?}")),
+        }
+    }
+}
+
+/// Where a map stands on Earth.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GeoArg(pub(crate) Georeference);
+
+impl FromStr for GeoArg {
+    type Err = String;
+    fn from_str(text: &str) -> Result<Self, String> {
+        let most = Georeference::MAX_LATITUDE_DEG;
+        match comma_separated::<f64>(text).as_deref() {
+            Some(&[latitude_deg, longitude_deg, heading_deg])
+                if latitude_deg.abs() <= most
+                    && longitude_deg.abs() <= 180.0
+                    && heading_deg.abs() <= 360.0 =>
+            {
+                Ok(Self(Georeference { latitude_deg, longitude_deg, heading_deg }))
+            }
+            _ => Err(format!(
+                "expected LATITUDE,LONGITUDE,HEADING in degrees, up to {most}, 180 and 360, found {text:?}"
+            )),
         }
     }
 }

@@ -39,6 +39,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome> {
     }
     let mut export = Export::new(&document, &masks)?;
     export.written = document::fixed_time().unwrap_or_default();
+    export.georeference = args.georeference.map(|place| place.0);
     export.occupancy = map.as_ref().map(|map| &map.grid.cells);
     let (folder, main) = if args.output.is_dir() {
         (args.output.as_path(), args.to.usual_name(&document.map.name))

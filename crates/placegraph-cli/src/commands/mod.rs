@@ -1,5 +1,6 @@
 //! One file a command.
 
+pub(crate) mod align;
 pub(crate) mod edit;
 pub(crate) mod evaluate;
 pub(crate) mod export;

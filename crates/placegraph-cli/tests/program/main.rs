@@ -12,6 +12,7 @@ mod exports;
 mod extremes;
 #[cfg(unix)]
 mod faults;
+mod frames;
 mod names_last;
 mod plans;
 mod readers;

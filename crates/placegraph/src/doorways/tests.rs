@@ -158,3 +158,18 @@ fn walks_measure_both_sides_of_a_gate_and_the_way_around() {
     assert_eq!(left.label_nodes.len(), 9);
     assert_eq!(left.n_cells, 5 + 9 + 11);
 }
+
+#[test]
+fn the_widest_door_is_that_of_the_configuration() {
+    // An opening of 1.5 m.
+    let graph = two_rooms(15);
+    let field = LabelField::from_rows(3, [0.0, 1.0, 0.0].repeat(graph.n_nodes()));
+    let labels = vec![ROOM; graph.n_nodes()];
+    let n_marked = |max_width_m| {
+        let config = DoorwayConfig { max_width_m, ..DoorwayConfig::default() };
+        let marked = mark(&space(&graph), &field, &labels, &LabelSet::default(), &config);
+        marked.into_iter().filter(|&label| label == DOORWAY).count()
+    };
+    assert_eq!(n_marked(1.4), 0);
+    assert!(n_marked(1.6) > 0);
+}

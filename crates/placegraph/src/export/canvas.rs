@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
+use super::overlay::listed_places;
+use crate::geom::Point2;
 use crate::grid::{Cell, Occupancy, OccupancyGrid};
 use crate::labels::{Label, LabelSet};
+use crate::topology::TopologicalMap;
 
 /// Color of occupied cells.
 pub(super) const WALL: [u8; 3] = [52, 58, 70];
@@ -16,6 +19,8 @@ const MAX_PX_PER_CELL: f64 = 8.0;
 const SHORTEST_SIDE_PX: f64 = 800.0;
 /// Larger maps are drawn with several cells per pixel.
 const MAX_SIDE_PX: f64 = 4096.0;
+/// Space around the places for the walls around them, in meters.
+const WALL_M: f64 = 0.5;
 /// Cells of unknown space around what is known.
 const MARGIN_CELLS: u32 = 4;
 /// A wall weighs as much as this many free cells in a pixel, so that thin walls stay visible.
@@ -51,10 +56,38 @@ impl Crop {
         if left >= right {
             (left, right, bottom, top) = (0, cells.width(), 0, cells.height());
         }
-        left = left.saturating_sub(MARGIN_CELLS);
-        bottom = bottom.saturating_sub(MARGIN_CELLS);
-        let width = (right + MARGIN_CELLS).min(cells.width()) - left;
-        let height = (top + MARGIN_CELLS).min(cells.height()) - bottom;
+        Self::of_cells(grid, [left, bottom, right, top], MARGIN_CELLS)
+    }
+
+    /// The bounding box of the places that a picture shows, with room for the walls around them; of what is known where there is
+    /// no place.
+    pub(super) fn of_places(grid: &OccupancyGrid, topology: &TopologicalMap) -> Self {
+        let corners = listed_places(topology)
+            .into_iter()
+            .flat_map(|place| &place.outline)
+            .flat_map(|part| &part.exterior);
+        let corners = corners.map(|&corner| grid.frame.cells_from_map(corner));
+        let [low, high] = corners
+            .fold([(f64::INFINITY, f64::INFINITY), (0.0, 0.0)], |[low, high], Point2 { x, y }| {
+                [(low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y))]
+            });
+        if low.0 >= high.0 {
+            return Self::of_known(grid);
+        }
+        let cell = |v: f64, most: u32| (v.max(0.0) as u32).min(most);
+        let (width, height) = (grid.cells.width(), grid.cells.height());
+        let [left, bottom] =
+            [cell((low.0 + 0.5).floor(), width - 1), cell((low.1 + 0.5).floor(), height - 1)];
+        let [right, top] = [cell((high.0 - 0.5).ceil(), width), cell((high.1 - 0.5).ceil(), height)];
+        let margin = (WALL_M / grid.frame.resolution_m()).ceil().clamp(f64::from(MARGIN_CELLS), 100.0) as u32;
+        Self::of_cells(grid, [left, bottom, right.max(left + 1), top.max(bottom + 1)], margin)
+    }
+
+    /// The cells from the left, lower to the right, upper ones, with a margin of so many cells.
+    fn of_cells(grid: &OccupancyGrid, [left, bottom, right, top]: [u32; 4], margin: u32) -> Self {
+        let (left, bottom) = (left.saturating_sub(margin), bottom.saturating_sub(margin));
+        let width = (right + margin).min(grid.cells.width()) - left;
+        let height = (top + margin).min(grid.cells.height()) - bottom;
         let longest = width.max(height) as f64;
         let px_per_cell = if longest > MAX_SIDE_PX {
             MAX_SIDE_PX / longest
@@ -150,14 +183,16 @@ impl<'a> Painting<'a> {
         }
     }
 
-    /// The known cells of a row with their colors and weights.
+    /// The known cells of a row in the picture with their colors and weights.
     fn row(&self, y: u32) -> impl Iterator<Item = (Cell, [u8; 3], u32)> {
         let mut labels = self.labeling[self.first_label[y as usize]..].iter();
-        (0..).zip(self.grid.cells.row(y)).filter_map(move |(x, occupancy)| match occupancy {
+        let columns = self.crop.left..self.crop.left + self.crop.width;
+        let known = (0..).zip(self.grid.cells.row(y)).filter_map(move |(x, occupancy)| match occupancy {
             Occupancy::Free => labels.next().map(|label| (Cell::new(x, y), self.colors[label.index()], 1)),
             Occupancy::Occupied => Some((Cell::new(x, y), WALL, WALL_WEIGHT)),
             Occupancy::Unknown => None,
-        })
+        });
+        known.filter(move |(cell, ..)| columns.contains(&cell.x))
     }
 
     /// Rows of cells, each with its first row of pixels.

@@ -4,6 +4,12 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
+    /// A format in whole centimeters.
+    #[error("expected cells of whole centimeters, found {resolution_m} m")]
+    Centimeters {
+        /// Side of a cell.
+        resolution_m: f64,
+    },
     /// The consumer refuses a graph without edges.
     #[error("expected at least one connection with a route, found none: a route graph needs an edge")]
     NoRoute,

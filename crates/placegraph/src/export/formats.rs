@@ -5,9 +5,10 @@ use std::path::Path;
 use std::time::Duration;
 
 use super::{
-    ExportError, MaskFiles, MaskSettings, MaskSheet, ReportInput, RmfInfo, TmapInfo, TopologyDocument, dot,
-    graphml, keepout_mask, nav2_route, regions_geojson, regions_svg, report_html, rmf_building,
-    rmf_nav_graph, speed_mask, tmap2, vector_shapes, zone_mask,
+    ExportError, Georeference, MaskFiles, MaskSettings, MaskSheet, ReportInput, RmfInfo, TmapInfo,
+    TopologyDocument, dot, graphml, keepout_mask, nav2_filters, nav2_route, regions_geojson, regions_svg,
+    report_html, rmf_background, rmf_building, rmf_nav_graph, segments_json, speed_mask, tmap2,
+    valetudo_json, vector_shapes, zone_mask,
 };
 use crate::grid::{FrameError, Grid, GridShape, Occupancy};
 use crate::topology::TopologicalMap;
@@ -47,6 +48,17 @@ const fn one(
     Format { name, doc, consumer, file, companions: &[], needs_cells: false, write }
 }
 
+/// A format with a picture beside its file.
+const fn with_picture(
+    name: &'static str,
+    doc: &'static str,
+    consumer: &'static str,
+    file: &'static str,
+    write: Writer,
+) -> Format {
+    Format { companions: &[".png"], ..one(name, doc, consumer, file, write) }
+}
+
 /// A mask: a map file, its image and the parameters of its servers.
 const fn mask(name: &'static str, doc: &'static str, file: &'static str, write: Writer) -> Format {
     let companions = &[".png", "_params.yaml"];
@@ -68,6 +80,31 @@ pub const FORMATS: &[Format] = &[
     mask("nav2-zones", "Zone mask of Navigation 2", "zones.yaml", |export, names| {
         zone_mask(&export.map, &export.sheet(names), export.masks.zones).map(mask_files)
     }),
+    Format {
+        companions: &[
+            ".launch.py",
+            "_keepout.yaml",
+            "_keepout.png",
+            "_speed.yaml",
+            "_speed.png",
+            "_zones.yaml",
+            "_zones.png",
+        ],
+        ..one(
+            "nav2-filters",
+            "All masks of Navigation 2 with one parameter file and a launch file",
+            "Nav2 costmap filters",
+            "nav2_filters.yaml",
+            |export, names| {
+                let sheets = [2, 4, 6].map(|first| export.sheet(&names[first..]));
+                let limits = export.masks.speed(&export.document.classes);
+                let masks = export.masks;
+                let files = nav2_filters(&export.map, &sheets, &masks.keepout, &limits, masks.zones)?;
+                let rasters = files.masks.into_iter().flat_map(|mask| [mask.map, mask.image]);
+                Ok([files.parameters, files.launch].into_iter().chain(rasters).collect())
+            },
+        )
+    },
     one(
         "nav2-shapes",
         "Shapes of Navigation 2's vector-object server",
@@ -79,14 +116,20 @@ pub const FORMATS: &[Format] = &[
         },
     ),
     one("rmf", "Navigation graph of Open-RMF", "Open-RMF fleet adapters", "nav_graph.yaml", |export, _| {
-        Ok(vec![rmf_nav_graph(&export.map, &export.shape, &export.rmf_info())?])
+        Ok(vec![rmf_nav_graph(&export.map, &export.shape, &export.rmf_info(""))?])
     }),
-    one(
+    with_picture(
         "rmf-building",
         "Building file of Open-RMF's traffic editor",
         "Open-RMF traffic editor",
         "{map}.building.yaml",
-        |export, _| Ok(vec![rmf_building(&export.map, &export.shape, &export.rmf_info())?]),
+        |export, names| {
+            let info = export.rmf_info(&names[1]);
+            Ok(vec![
+                rmf_building(&export.map, &export.shape, &info)?,
+                rmf_background(&export.map, &export.shape)?,
+            ])
+        },
     ),
     one(
         "tmap2",
@@ -102,11 +145,25 @@ pub const FORMATS: &[Format] = &[
         Ok(vec![dot(&export.map, &export.document.classes).into_bytes()])
     }),
     one("geojson", "Outlines as GeoJSON", "QGIS, GeoPandas", "regions.geojson", |export, _| {
-        Ok(vec![regions_geojson(&export.map)?])
+        Ok(vec![regions_geojson(&export.map, export.frame_id(), export.georeference.as_ref())?])
     }),
     one("svg", "A drawing", "any drawing program", "regions.svg", |export, _| {
         Ok(vec![regions_svg(&export.map, &export.document.classes, &export.shape).into_bytes()])
     }),
+    one(
+        "segments",
+        "Rooms as Home Assistant lists a vacuum's",
+        "Home Assistant vacuum integrations",
+        "segments.json",
+        |export, _| Ok(vec![segments_json(&export.map, &export.document.map.name)?]),
+    ),
+    one(
+        "valetudo",
+        "Map with segments, as Valetudo has it",
+        "Valetudo map cards",
+        "valetudo.json",
+        |export, _| Ok(vec![valetudo_json(&export.map, &export.shape)?]),
+    ),
     Format {
         needs_cells: true,
         ..one("report", "Everything on one page for a browser", "a browser", "report.html", |export, _| {
@@ -186,6 +243,8 @@ pub struct Export<'a> {
     pub occupancy: Option<&'a Grid<Occupancy>>,
     /// Probability of the most likely class per cell, for formats that show it.
     pub probability: Option<Grid<f32>>,
+    /// Where the map stands on Earth, for formats that can say so.
+    pub georeference: Option<Georeference>,
     /// The time since 1970 that files with a date bear: the same map gives the same bytes whenever it is exported.
     pub written: Duration,
 }
@@ -200,7 +259,16 @@ impl<'a> Export<'a> {
         masks.check(&document.classes)?;
         let shape = document.map.shape().map_err(|error: FrameError| ExportError::writer("a map", &error))?;
         let map = document.topology();
-        Ok(Self { document, map, shape, masks, occupancy: None, probability: None, written: Duration::ZERO })
+        Ok(Self {
+            document,
+            map,
+            shape,
+            masks,
+            occupancy: None,
+            probability: None,
+            georeference: None,
+            written: Duration::ZERO,
+        })
     }
 
     fn frame_id(&self) -> &str {
@@ -217,12 +285,12 @@ impl<'a> Export<'a> {
         }
     }
 
-    fn rmf_info(&self) -> RmfInfo {
+    /// `background` is the name of the picture under the building.
+    fn rmf_info(&self, background: &str) -> RmfInfo {
         RmfInfo {
             building: self.document.map.name.clone(),
             level: "L1".to_owned(),
-            // The picture of the result whose pixels are the map's.
-            drawing: "labels.png".to_owned(),
+            background: background.to_owned(),
         }
     }
 

@@ -7,6 +7,7 @@ mod formats;
 mod geojson;
 mod graphml;
 mod mask_settings;
+mod nav2_filters;
 mod nav2_masks;
 mod nav2_route;
 mod npy;
@@ -17,6 +18,7 @@ mod raster;
 mod report;
 mod rmf;
 mod scan_picture;
+mod segments;
 mod svg;
 mod tmap2;
 mod waypoints;
@@ -29,9 +31,10 @@ pub use crate::document::{
 pub use dot::dot;
 pub use error::ExportError;
 pub use formats::{Export, FORMATS, Format, MAP, formats_markdown};
-pub use geojson::regions_geojson;
+pub use geojson::{Georeference, regions_geojson};
 pub use graphml::graphml;
 pub use mask_settings::MaskSettings;
+pub use nav2_filters::{FilterFiles, nav2_filters};
 pub use nav2_masks::{
     Keepout, MaskFiles, MaskSheet, Rotated, SpeedLimit, ValueOf, ZonePer, keepout_mask, speed_mask,
     vector_shapes, zone_mask,
@@ -42,7 +45,8 @@ pub use overlay::{View, overlay_svg};
 pub use overview::overview_png;
 pub use raster::{RasterError, label_png, raster_yaml, region_png};
 pub use report::{ReportInput, report_html};
-pub use rmf::{RmfInfo, rmf_building, rmf_nav_graph};
+pub use rmf::{RmfInfo, rmf_background, rmf_building, rmf_nav_graph};
 pub use scan_picture::scan_png;
+pub use segments::{segments_json, valetudo_json};
 pub use svg::regions_svg;
 pub use tmap2::{TmapInfo, tmap2};

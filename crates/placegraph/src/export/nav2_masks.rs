@@ -25,6 +25,8 @@ pub struct MaskFiles {
     pub map: Vec<u8>,
     /// Parameters of the mask server, the filter info server and the costmap's filter, YAML.
     pub parameters: Vec<u8>,
+    /// The same, to be joined with those of other masks.
+    pub(super) nodes: Parameters,
 }
 
 /// How masks of a rotated map are made.
@@ -250,19 +252,26 @@ fn mask_files(
             cells.values_mut()[start + span.start as usize..start + span.end as usize].fill(paint(place));
         }
     }
+    let nodes = nodes(sheet, filter);
     Ok(MaskFiles {
-        image: gray_png(&cells)?,
+        image: upright_png(&cells)?,
         map: map_yaml(&shape, &sheet.image_name)?,
-        parameters: parameters_yaml(sheet, filter)?,
+        parameters: yaml_bytes(&nodes, "filter parameters")?,
+        nodes,
     })
 }
 
-/// The image of `cells`, first row on top.
-fn gray_png(cells: &Grid<u8>) -> Result<Vec<u8>, ExportError> {
+/// The image of `cells`, the first row lowest.
+fn upright_png(cells: &Grid<u8>) -> Result<Vec<u8>, ExportError> {
     let pixels: Vec<u8> = (0..cells.height()).rev().flat_map(|y| cells.row(y)).copied().collect();
+    gray_png(cells, &pixels)
+}
+
+/// An image of the size of `cells` with these pixels, row by row from the top.
+pub(super) fn gray_png(cells: &Grid<u8>, pixels: &[u8]) -> Result<Vec<u8>, ExportError> {
     let mut bytes = Vec::new();
     PngEncoder::new(&mut bytes)
-        .write_image(&pixels, cells.width(), cells.height(), ExtendedColorType::L8)
+        .write_image(pixels, cells.width(), cells.height(), ExtendedColorType::L8)
         .map_err(|error| ExportError::writer("PNG", &error))?;
     Ok(bytes)
 }
@@ -294,11 +303,13 @@ fn map_yaml(shape: &GridShape, image: &str) -> Result<Vec<u8>, ExportError> {
 }
 
 /// Nested parameters of ROS nodes.
-type Parameters = serde_json::Value;
+pub(super) type Parameters = serde_json::Value;
 
-fn parameters_yaml(sheet: &MaskSheet, filter: &Filter) -> Result<Vec<u8>, ExportError> {
+/// The parameters of a mask's own pair of servers, named as Nav2's bringup names them, and of the filter in the costmaps.
+fn nodes(sheet: &MaskSheet, filter: &Filter) -> Parameters {
     use serde_json::json;
-    let (info_topic, mask_topic) = (format!("/{}_info", filter.name), format!("/{}_mask", filter.name));
+    let short = filter.name.trim_end_matches("_filter");
+    let (info_topic, mask_topic) = (format!("/{short}_costmap_filter_info"), format!("/{short}_filter_mask"));
     let mut plugin = json!({
         "plugin": filter.plugin,
         "enabled": true,
@@ -308,22 +319,27 @@ fn parameters_yaml(sheet: &MaskSheet, filter: &Filter) -> Result<Vec<u8>, Export
         add_zones(&mut plugin, &filter.zones);
     }
     let node = |parameters: Parameters| json!({ "ros__parameters": parameters });
-    let file = json!({
-        "filter_mask_server": node(json!({
+    let costmap = || node(json!({ "filters": [filter.name], filter.name: plugin }));
+    let mut nodes = json!({
+        format!("{short}_filter_mask_server"): node(json!({
             "yaml_filename": sheet.map_name,
             "topic_name": mask_topic,
             "frame_id": sheet.frame_id,
         })),
-        "costmap_filter_info_server": node(json!({
+        format!("{short}_costmap_filter_info_server"): node(json!({
             "type": filter.kind,
             "filter_info_topic": info_topic,
             "mask_topic": mask_topic,
             "base": 0.0,
             "multiplier": filter.multiplier,
         })),
-        "global_costmap": { "global_costmap": node(json!({ "filters": [filter.name], filter.name: plugin })) },
+        "global_costmap": { "global_costmap": costmap() },
     });
-    yaml_bytes(&file, "filter parameters")
+    if filter.kind == 0 {
+        // Where the planner must not go, the controller must not either.
+        nodes["local_costmap"] = json!({ "local_costmap": costmap() });
+    }
+    nodes
 }
 
 /// Declares the states, and a set-point and its nominal value for each to start from.

@@ -178,6 +178,25 @@ fn diamond(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
         y + r,
         x - r
     );
+    // The number beside it, so that neither hides the passage; smaller than those of rooms.
+    let size = 0.72 * view.text_px;
+    push!(
+        svg,
+        r##"<text x="{:.1}" y="{:.1}" font-family="{FONTS}" font-weight="bold" font-size="{size:.1}" fill="{color}" stroke="#ffffff" stroke-width="{:.2}" stroke-linejoin="round" paint-order="stroke">{}</text>"##,
+        x + 1.25 * r,
+        y - 0.35 * r,
+        0.28 * size,
+        place.id.0
+    );
+    if place.name != format!("{} {}", place.class, place.id.0) {
+        push!(
+            svg,
+            r##"<text x="{x:.1}" y="{:.1}" font-family="{FONTS}" font-size="{size:.1}" text-anchor="middle" fill="{INK}" stroke="#ffffff" stroke-width="{:.2}" stroke-linejoin="round" paint-order="stroke">{}</text>"##,
+            y + r + size,
+            0.25 * size,
+            escaped(&place.name)
+        );
+    }
 }
 
 fn circle(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {

@@ -25,7 +25,7 @@ const FONT_FILES: [&[u8]; 2] = [
 /// Rows of pixels that are drawn at a time.
 const BAND_PX: u32 = 256;
 
-/// A PNG of the part of `grid` that is known, with `labeling` (of the free cells, row-major) and `topology`.
+/// A PNG of the part of `grid` that has places, with `labeling` (of the free cells, row-major) and `topology`.
 ///
 /// # Panics
 /// If there is not one label per free cell.
@@ -49,7 +49,7 @@ fn in_bands(
     band_px: u32,
 ) -> Vec<u8> {
     assert_eq!(labeling.len(), grid.count(crate::grid::Occupancy::Free), "one label per free cell");
-    let crop = Crop::of_known(grid);
+    let crop = Crop::of_places(grid, topology);
     let m_per_px = grid.frame.resolution_m() / crop.px_per_cell;
     let map_px = (crop.width_px(), crop.height_px());
     let page = Page::new(title, topology, labeling, label_set, map_px, m_per_px);

@@ -11,9 +11,10 @@ use serde::Serialize;
 use serde_saphyr::FlowSeq;
 
 use super::ExportError;
+use super::nav2_masks::gray_png;
 use super::yaml::{tenth_mm, xy, yaml_bytes};
 use crate::geom::Point2;
-use crate::grid::GridShape;
+use crate::grid::{Grid, GridShape};
 use crate::topology::{Connection, Place, PlaceId, PlaceRaster, TopologicalMap, segments_cross};
 
 /// Names of the building and of its only level.
@@ -23,8 +24,8 @@ pub struct RmfInfo {
     pub building: String,
     /// Name of the level.
     pub level: String,
-    /// File name of the map's picture, shown by the editor.
-    pub drawing: String,
+    /// File name of the picture that the editor shows under the building ([`rmf_background`]).
+    pub background: String,
 }
 
 /// How far before and behind the door its vertices stand, in meters: the first that a straight lane through
@@ -171,10 +172,44 @@ struct Floor<'a> {
     vertices: FlowSeq<Vec<usize>>,
 }
 
+/// A picture under the building. The editor places its first pixel at the translation, rows along the turned y axis: in Cartesian meters
+/// the first row is the lowest.
+#[derive(Serialize)]
+struct Layer<'a> {
+    filename: &'a str,
+    visible: bool,
+    color: FlowSeq<[f64; 4]>,
+    features: [(); 0],
+    transform: LayerTransform,
+}
+
+#[derive(Serialize)]
+struct LayerTransform {
+    /// Clockwise.
+    yaw: f64,
+    translation_x: f64,
+    translation_y: f64,
+    /// Meters per pixel.
+    scale: f64,
+}
+
+impl<'a> Layer<'a> {
+    fn of(shape: &GridShape, filename: &'a str) -> Self {
+        let origin = shape.frame.map_from_grid();
+        let transform = LayerTransform {
+            yaw: 0.0 - origin.yaw_rad,
+            translation_x: origin.x,
+            translation_y: origin.y,
+            scale: shape.frame.resolution_m(),
+        };
+        Self { filename, visible: true, color: FlowSeq([0.2, 0.2, 0.25, 1.0]), features: [], transform }
+    }
+}
+
 #[derive(Serialize)]
 #[expect(clippy::type_complexity, reason = "the tuples of the format")]
 struct BuildingLevel<'a> {
-    drawing: BTreeMap<&'a str, &'a str>,
+    layers: BTreeMap<&'a str, Layer<'a>>,
     elevation: f64,
     vertices: Vec<(f64, f64, f64, &'a str, BTreeMap<&'a str, ()>)>,
     lanes: Vec<(usize, usize, LaneParameters<'a>)>,
@@ -216,7 +251,8 @@ pub fn rmf_building(map: &TopologicalMap, shape: &GridShape, info: &RmfInfo) -> 
     let mut floors = Vec::new();
     for part in map.places.iter().flat_map(|place| &place.outline) {
         let first = vertices.len();
-        vertices.extend(part.exterior.iter().map(|&at| corner(at, "")));
+        let outline = simplified(&part.exterior, SIMPLER_CELLS * shape.frame.resolution_m());
+        vertices.extend(outline.into_iter().map(|at| corner(at, "")));
         let parameters = FloorParameters {
             texture_name: string("blue_linoleum"),
             texture_rotation: double(0.0),
@@ -225,7 +261,7 @@ pub fn rmf_building(map: &TopologicalMap, shape: &GridShape, info: &RmfInfo) -> 
         floors.push(Floor { parameters, vertices: FlowSeq((first..vertices.len()).collect()) });
     }
     let level = BuildingLevel {
-        drawing: BTreeMap::from([("filename", info.drawing.as_str())]),
+        layers: BTreeMap::from([("map", Layer::of(shape, &info.background))]),
         elevation: 0.0,
         vertices,
         lanes,
@@ -241,6 +277,60 @@ pub fn rmf_building(map: &TopologicalMap, shape: &GridShape, info: &RmfInfo) -> 
         lifts: BTreeMap::new(),
     };
     yaml_bytes(&file, "RMF building")
+}
+
+/// The picture that the building file shows: places white on gray, the first row the lowest, as the editor wants it.
+///
+/// # Errors
+/// None for maps that this library built.
+pub fn rmf_background(map: &TopologicalMap, shape: &GridShape) -> Result<Vec<u8>, ExportError> {
+    let raster = PlaceRaster::new(map, *shape);
+    let mut cells = Grid::filled(shape.width, shape.height, 90u8);
+    for y in 0..shape.height {
+        for span in raster.row(y) {
+            let start = y as usize * shape.width as usize;
+            cells.values_mut()[start + span.start as usize..start + span.end as usize].fill(255);
+        }
+    }
+    gray_png(&cells, cells.values())
+}
+
+/// How far a floor's corner may be from the simpler outline, in cells.
+const SIMPLER_CELLS: f64 = 1.5;
+
+/// The ring without the corners that are nearer than `tolerance_m` to the line that remains, at least three [Douglas and Peucker 1973].
+fn simplified(ring: &[Point2], tolerance_m: f64) -> Vec<Point2> {
+    // From its first corner to the one farthest from that, and back.
+    let Some(&first) = ring.first() else { return Vec::new() };
+    let far = |ring: &[Point2], from: Point2| {
+        let distances = ring.iter().map(|point| point.distance(from)).enumerate();
+        distances.fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best }).0
+    };
+    let opposite = far(ring, first);
+    let closed: Vec<Point2> = ring.iter().copied().chain([first]).collect();
+    let mut simpler = thinned(&closed[..=opposite], tolerance_m);
+    simpler.pop();
+    simpler.extend(thinned(&closed[opposite..], tolerance_m));
+    simpler.pop();
+    if simpler.len() < 3 { ring.to_vec() } else { simpler }
+}
+
+fn thinned(line: &[Point2], tolerance_m: f64) -> Vec<Point2> {
+    let [first, .., last] = line else { return line.to_vec() };
+    let along = *last - *first;
+    let length = along.length();
+    let off = |point: Point2| {
+        if length > 0.0 { (along.cross(point - *first) / length).abs() } else { point.distance(*first) }
+    };
+    let farthest = line.iter().map(|&point| off(point)).enumerate();
+    let (index, distance) = farthest.fold((0, 0.0), |best, next| if next.1 > best.1 { next } else { best });
+    if distance <= tolerance_m || index == 0 || index + 1 == line.len() {
+        return vec![*first, *last];
+    }
+    let mut left = thinned(&line[..=index], tolerance_m);
+    left.pop();
+    left.extend(thinned(&line[index..], tolerance_m));
+    left
 }
 
 fn door_parameters(name: &str) -> DoorParameters<'_> {

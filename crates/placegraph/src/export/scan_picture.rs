@@ -111,7 +111,7 @@ impl Window {
                     // Writing to a string cannot fail.
                     let _ = write!(
                         svg,
-                        r#"<rect x="{:.2}" y="{:.2}" width="{width:.2}" height="{height:.2}" fill="{color}"/>"#,
+                        r#"<rect x="{:.2}" y="{:.2}" width="{width:.2}" height="{height:.2}" fill="{color}" shape-rendering="crispEdges"/>"#,
                         corner.x, corner.y
                     );
                 }
@@ -135,5 +135,22 @@ mod tests {
         let png = scan_png(&grid, cell, &scan::cast(&grid, cell, &ScanConfig::default()));
         let picture = image::load_from_memory(&png).unwrap();
         assert_eq!((picture.width(), picture.height()), (1000, 75));
+    }
+
+    #[test]
+    fn walls_of_many_rows_have_no_seams() {
+        // 21 x 67 cells in 1000 pixels: a row is 14.93 pixels high.
+        let row = format!("#{}#", "#".repeat(8) + &".".repeat(11));
+        let wall = "#".repeat(21);
+        let drawing: Vec<&str> = (0..67).map(|y| if y % 66 == 0 { &wall } else { &row }.as_str()).collect();
+        let grid = OccupancyGrid::from_ascii(0.1, &drawing.join("\n"));
+        let cell = Cell::new(15, 30);
+        let png = scan_png(&grid, cell, &scan::cast(&grid, cell, &ScanConfig::default()));
+        let picture = image::load_from_memory(&png).unwrap().to_rgb8();
+        // In the middle of the thick wall every pixel has its color.
+        let column = picture.width() * 4 / 21;
+        let colors: std::collections::BTreeSet<[u8; 3]> =
+            (20..picture.height() - 20).map(|y| picture.get_pixel(column, y).0).collect();
+        assert_eq!(colors.into_iter().collect::<Vec<_>>(), [[0x34, 0x3a, 0x46]]);
     }
 }

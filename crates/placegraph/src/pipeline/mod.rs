@@ -14,8 +14,9 @@ use crate::progress::{Progress, Stage};
 use crate::regions::{DiagonalSteps, RegionMap, connected, correct, islands, label_islands};
 use crate::relax::relax_in_place;
 use crate::spaces::{self, SpaceConfig};
+use crate::topology::align::Alignment;
 use crate::topology::edits::{self, Edit, OnMap, Outcome};
-use crate::topology::identity::Change;
+use crate::topology::identity::{Change, MIN_MATCHED_SHARE};
 use crate::topology::reach::Robot;
 use crate::topology::{PlaceId, TopologicalMap};
 use places::{Places, places};
@@ -40,6 +41,27 @@ pub struct Config {
     pub robot: Robot,
     /// An earlier result: places that are still there keep its numbers and names.
     pub previous: Option<TopologicalMap>,
+    /// Whether the earlier result is in another frame: the turn and the shift between them are found first ([`align`]).
+    ///
+    /// [`align`]: crate::topology::align::align
+    pub align_previous: bool,
+}
+
+/// How the frame of the earlier result and that of the map fit.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Frames {
+    /// Area of the places that were matched one to one, by that of the smaller map. Below [`MIN_MATCHED_SHARE`] the frames disagree: no
+    /// number and no name was kept.
+    pub matched_share: f64,
+    /// The turn and the shift that were found, if they were asked for; only if they are certain they were followed.
+    pub alignment: Option<Alignment>,
+}
+
+impl Frames {
+    /// Whether no number and no name was kept.
+    pub fn disagree(&self) -> bool {
+        self.matched_share < MIN_MATCHED_SHARE
+    }
 }
 
 impl Default for Config {
@@ -51,6 +73,7 @@ impl Default for Config {
             edits: Vec::new(),
             robot: Robot::default(),
             previous: None,
+            align_previous: false,
         }
     }
 }
@@ -85,6 +108,8 @@ pub struct Analysis {
     pub edit_outcomes: Vec<Outcome>,
     /// What changed since the earlier result; empty without one.
     pub changes: Vec<Change>,
+    /// How the frames fit; `None` without an earlier result.
+    pub frames: Option<Frames>,
 }
 
 /// Labels `map` with `model` and builds its topological map.
@@ -128,7 +153,8 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
     let previous = config.previous.clone().unwrap_or_else(|| {
         analyze_as_drawn(map, model, &Config { edits: Vec::new(), ..config.clone() }, progress).topology
     });
-    let config = Config { previous: Some(previous), ..config.clone() };
+    let align_previous = config.align_previous && config.previous.is_some();
+    let config = Config { previous: Some(previous), align_previous, ..config.clone() };
     let mut analysis = analyze_as_drawn(&drawn, model, &config, progress);
     for (position, outcome) in outcomes {
         analysis.edit_outcomes[position] = outcome;
@@ -176,7 +202,7 @@ fn analyze_as_drawn(
     }
 
     // Edits by hand, then places and how they connect: Sect. 4.7
-    let Places { regions, topology, place_ids, edit_outcomes, changes } =
+    let Places { regions, topology, place_ids, edit_outcomes, changes, frames } =
         places(&space, &smoothed, regions, model, config, progress);
     let labeling = regions.labeling();
     Analysis {
@@ -190,6 +216,7 @@ fn analyze_as_drawn(
         drawn: None,
         edit_outcomes,
         changes,
+        frames,
     }
 }
 

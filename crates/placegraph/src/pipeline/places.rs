@@ -1,13 +1,15 @@
 //! Sect. 4.7: the places of the regions, with their numbers, names and routes.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use super::Config;
+use super::{Config, Frames};
 use crate::grid::{FreeSpace, GridShape};
 use crate::labels::LabelField;
 use crate::model::Model;
 use crate::progress::{Progress, Stage};
 use crate::regions::{RegionId, RegionMap, islands};
+use crate::topology::align::{Alignment, align};
 use crate::topology::edits::{self, Edited, Numbering, Outcome};
 use crate::topology::identity::{CarriedOver, Change, carry_over};
 use crate::topology::reach::mark_cut_off;
@@ -21,6 +23,7 @@ pub(super) struct Places {
     pub(super) place_ids: Vec<Option<PlaceId>>,
     pub(super) edit_outcomes: Vec<Outcome>,
     pub(super) changes: Vec<Change>,
+    pub(super) frames: Option<Frames>,
 }
 
 /// Edits `regions` and makes them places.
@@ -45,14 +48,22 @@ pub(super) fn places(
         progress.begin(Stage::Edits); // by hand
     }
     let numbers = numbers(space, &regions, model, config);
-    let numbering = match &config.previous {
-        Some(previous) if !config.edits.is_empty() => {
-            let automatic = build(&regions, &numbers);
-            let carried = carry_over(&automatic, shape, previous, &BTreeMap::new());
-            Numbering::of(&carried, numbers.len())
+    let mut alignment = None;
+    let mut previous = config.previous.as_ref().map(Cow::Borrowed);
+    let mut numbering = Numbering { numbers, names: BTreeMap::new() };
+    if let Some(earlier) = &mut previous
+        && (config.align_previous || !config.edits.is_empty())
+    {
+        let automatic = build(&regions, &numbering.numbers);
+        if config.align_previous {
+            alignment = align(earlier, &automatic);
+            if let Some(found) = alignment.filter(Alignment::is_certain) {
+                *earlier = Cow::Owned(earlier.moved(found.new_from_old));
+            }
         }
-        _ => Numbering { numbers, names: BTreeMap::new() },
-    };
+        let carried = carry_over(&automatic, shape, earlier, &BTreeMap::new());
+        numbering = Numbering::of(&carried, numbering.numbers.len());
+    }
     let Edited { regions, numbers, names, mut outcomes, concerned } =
         edits::apply(space, &model.label_set, regions, numbering, &config.edits);
 
@@ -60,7 +71,7 @@ pub(super) fn places(
     let mut built = build(&regions, &numbers);
     mark_cut_off(&mut built, shape, config.robot.from);
     let names = names.into_iter().map(|(region, name)| (topology::place_id(region), name)).collect();
-    let carried = if let Some(previous) = &config.previous {
+    let carried = if let Some(previous) = &previous {
         progress.begin(Stage::Identity); // numbers and names of an earlier result
         carry_over(&built, shape, previous, &names)
     } else {
@@ -68,7 +79,8 @@ pub(super) fn places(
         let numbers = numbers.filter_map(|(region, id)| Some((topology::place_id(region), id?))).collect();
         CarriedOver::first(&built, &numbers, &names)
     };
-    let CarriedOver { map: topology, renumbered, changes } = carried;
+    let frames = previous.map(|_| Frames { matched_share: carried.matched_share, alignment });
+    let CarriedOver { map: topology, renumbered, changes, .. } = carried;
     let number = |region| renumbered.get(&topology::place_id(region)).copied();
     for (outcome, concerned) in outcomes.iter_mut().zip(&concerned) {
         if let Ok(applied) = outcome {
@@ -77,7 +89,7 @@ pub(super) fn places(
         }
     }
     let place_ids = (0..regions.regions.len() as u32).map(|region| number(RegionId(region))).collect();
-    Places { regions, topology, place_ids, edit_outcomes: outcomes, changes }
+    Places { regions, topology, place_ids, edit_outcomes: outcomes, changes, frames }
 }
 
 /// Numbers from 1 for all regions but islands.

@@ -24,6 +24,9 @@ pub const MIN_SHARED_FRAC: f64 = 0.1;
 /// A place that lies in another by more than this part is a piece of it.
 pub const MIN_INSIDE_FRAC: f64 = 0.5;
 
+/// Frames agree where at least this part of the smaller map's area is that of places matched one to one.
+pub const MIN_MATCHED_SHARE: f64 = 0.5;
+
 /// What became of places between two results, in the numbers of the new one unless said otherwise.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "change")]
@@ -64,8 +67,11 @@ pub struct CarriedOver {
     pub map: TopologicalMap,
     /// Old and new number of every place of the current map, for region images.
     pub renumbered: BTreeMap<PlaceId, PlaceId>,
-    /// What else changed.
+    /// What else changed; empty where the frames disagree.
     pub changes: Vec<Change>,
+    /// Area of the places that were matched one to one, by that of the smaller map. Below [`MIN_MATCHED_SHARE`] the frames of the two
+    /// maps disagree: no number and no name is kept.
+    pub matched_share: f64,
 }
 
 impl CarriedOver {
@@ -84,14 +90,14 @@ impl CarriedOver {
         map.last_id = map.places.last().map_or(PlaceId(0), |place| place.id);
         let given = given.iter().filter_map(|(id, name)| Some((*renumbered.get(id)?, name.as_str())));
         name_places(&mut map, &given.collect());
-        Self { map, renumbered, changes: Vec::new() }
+        Self { map, renumbered, changes: Vec::new(), matched_share: 1.0 }
     }
 }
 
 /// Gives the places of `current`, which lie on the grid `shape`, the numbers and names they have in `previous`.
 ///
 /// The names in `given`, by number in `current`, win over earlier ones. Places without an earlier self get new numbers
-/// and default names.
+/// and default names; so do all places where the frames of the maps disagree.
 pub fn carry_over(
     current: &TopologicalMap,
     shape: GridShape,
@@ -100,7 +106,13 @@ pub fn carry_over(
 ) -> CarriedOver {
     let overlaps = Overlaps::new(current, shape, previous);
     let mut earlier_self = overlaps.best_pairs();
-    pair_moved_doorways(current, previous, &mut earlier_self);
+    let matched_share = overlaps.matched_share(&earlier_self);
+    let disagree = matched_share < MIN_MATCHED_SHARE;
+    if disagree {
+        earlier_self.clear();
+    } else {
+        pair_moved_doorways(current, previous, &mut earlier_self);
+    }
 
     let kept: BTreeSet<PlaceId> = earlier_self.values().copied().collect();
     let earlier: BTreeSet<PlaceId> = previous.places.iter().map(|place| place.id).collect();
@@ -129,8 +141,8 @@ pub fn carry_over(
         .collect();
     names.extend(given);
     name_places(&mut map, &names);
-    let changes = overlaps.changes(previous, &earlier_self, &renumbered);
-    CarriedOver { map, renumbered, changes }
+    let changes = if disagree { Vec::new() } else { overlaps.changes(previous, &earlier_self, &renumbered) };
+    CarriedOver { map, renumbered, changes, matched_share }
 }
 
 /// Numbers for new places, in their order: those after `last`, then those from 1 on, that no place of the earlier result has;
@@ -231,6 +243,14 @@ impl Overlaps {
             }
         }
         earlier_self
+    }
+
+    /// Cells that matched places share, by those of the smaller map; 1 where one of the maps has none.
+    fn matched_share(&self, earlier_self: &BTreeMap<PlaceId, PlaceId>) -> f64 {
+        let matched: u64 = earlier_self.iter().map(|(&new, &old)| self.shared[&(new, old)]).sum();
+        let [all_new, all_old] = [&self.current, &self.previous].map(|cells| cells.values().sum::<u64>());
+        let smaller = all_new.min(all_old);
+        if smaller > 0 { matched as f64 / smaller as f64 } else { 1.0 }
     }
 
     fn changes(

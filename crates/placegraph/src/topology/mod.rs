@@ -1,6 +1,7 @@
 //! The topological map: places, doorways and how they connect (Sect. 4.7); routes between them; what keeps
 //! their names over time; and the questions one asks of it.
 
+pub mod align;
 mod body;
 mod build;
 mod clearance;

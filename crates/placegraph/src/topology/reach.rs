@@ -130,6 +130,7 @@ pub fn remarks(map: &TopologicalMap, robot: &Robot) -> Vec<String> {
         let classes: Vec<String> =
             n_of.iter().map(|(class, n)| format!("{n} {class}{}", if *n == 1 { "" } else { "s" })).collect();
         let area_m2: f64 = cut_off.iter().map(|place| place.area_m2).sum();
+        let digits = usize::from(area_m2 < 10.0);
         let names: Vec<String> = cut_off.iter().map(|place| place.name.clone()).collect();
         let why = if robot.radius_m > 0.0 {
             "are doors shut, or too narrow for the robot?"
@@ -138,7 +139,7 @@ pub fn remarks(map: &TopologicalMap, robot: &Robot) -> Vec<String> {
         };
         let from = if robot.from.is_some() { "from where the robot is" } else { "from the largest part" };
         remarks.push(format!(
-            "{}, {area_m2:.0} m², cannot be reached {from}: {why} They are left out of route graphs and closed in \
+            "{}, {area_m2:.digits$} m², cannot be reached {from}: {why} They are left out of route graphs and closed in \
              keep-out masks: {}",
             classes.join(", "),
             super::query::listed(&names)

@@ -30,7 +30,7 @@ const THREE_SIDES: &str = "
 ";
 
 fn rmf_info() -> RmfInfo {
-    RmfInfo { building: "drawn".into(), level: "L1".into(), drawing: "map.png".into() }
+    RmfInfo { building: "drawn".into(), level: "L1".into(), background: "map.png".into() }
 }
 
 fn sheet(building: &Building, rotated: Rotated) -> MaskSheet {
@@ -125,7 +125,7 @@ fn a_map_without_routes_has_no_route_graph() {
 #[test]
 fn geojson_says_meters_and_has_the_area_it_names() {
     let building = building::drawn(TURNED);
-    let bytes = regions_geojson(&building.map).unwrap();
+    let bytes = regions_geojson(&building.map, "map", None).unwrap();
     let collection: FeatureCollection = String::from_utf8(bytes).unwrap().parse().unwrap();
     let members = collection.foreign_members.as_ref().unwrap();
     assert_eq!(members["crs"]["properties"]["name"], "urn:ogc:def:crs:EPSG::3857");
@@ -276,4 +276,141 @@ fn report_input(building: &Building) -> ReportInput<'_> {
         findings: &[],
         provenance: "drawn by hand",
     }
+}
+
+#[test]
+fn the_masks_together_have_a_pair_of_servers_each() {
+    let building = building::drawn(Pose2::default());
+    let sheets = ["keepout", "speed", "zones"].map(|name| MaskSheet {
+        image_name: format!("{name}.png"),
+        map_name: format!("{name}.yaml"),
+        ..sheet(&building, Rotated::Refuse)
+    });
+    let (keepout, speed) = (Keepout::default(), SpeedLimit::default());
+    let files = nav2_filters(&building.map, &sheets, &keepout, &speed, ZonePer::Class).unwrap();
+    let text = String::from_utf8(files.parameters).unwrap();
+    let parameters: serde_json::Value = serde_saphyr::from_str(&text).unwrap();
+    let mut topics = BTreeSet::new();
+    for name in ["keepout", "speed", "zone_parameter"] {
+        let server = &parameters[format!("{name}_filter_mask_server")]["ros__parameters"];
+        let info = &parameters[format!("{name}_costmap_filter_info_server")]["ros__parameters"];
+        assert_eq!(server["topic_name"], info["mask_topic"], "{text}");
+        let costmap = &parameters["global_costmap"]["global_costmap"]["ros__parameters"];
+        assert_eq!(
+            costmap[format!("{name}_filter")]["filter_info_topic"],
+            info["filter_info_topic"],
+            "{text}"
+        );
+        assert!(
+            topics.insert(info["mask_topic"].to_string())
+                && topics.insert(info["filter_info_topic"].to_string())
+        );
+    }
+    let listed = |costmap: &str| parameters[costmap][costmap]["ros__parameters"]["filters"].clone();
+    assert_eq!(listed("global_costmap"), serde_json::json!(["keepout_filter", "speed_filter"]));
+    assert_eq!(listed("local_costmap"), serde_json::json!(["keepout_filter"]));
+    let launch = String::from_utf8(files.launch).unwrap();
+    for mask in ["'keepout': \"keepout.yaml\"", "'speed': \"speed.yaml\"", "'zone_parameter': \"zones.yaml\""]
+    {
+        assert!(launch.contains(mask), "{launch}");
+    }
+}
+
+#[test]
+fn what_is_cut_off_is_closed_and_in_no_graph() {
+    let mut building = building::drawn(Pose2::default());
+    let shut = building.place_at(40, 15).id;
+    building.map.places.iter_mut().find(|place| place.id == shut).unwrap().cut_off = true;
+    let name = building.map.place(shut).unwrap().name.clone();
+    let at = building.grid.frame.cell_at(building.at(40, 15)).unwrap();
+    let cell = |keepout: &Keepout| {
+        let files = keepout_mask(&building.map, &sheet(&building, Rotated::Refuse), keepout).unwrap();
+        let image = image::load_from_memory(&files.image).unwrap().into_luma8();
+        image.get_pixel(at.x, image.height() - 1 - at.y).0[0]
+    };
+    assert_eq!(cell(&Keepout::default()), 100);
+    let mut named = Keepout::default();
+    named.cost.place.insert(name.clone(), 0.0);
+    assert_eq!(cell(&named), 0, "unless the place is named");
+    for graph in [
+        nav2_route(&building.map, "map").unwrap(),
+        rmf_nav_graph(&building.map, &building.shape(), &rmf_info()).unwrap(),
+        tmap2(&building.map, &tmap_info()).unwrap(),
+    ] {
+        let text = String::from_utf8(graph).unwrap();
+        assert!(!text.contains(&name) && text.contains("corridor"), "{text}");
+    }
+}
+
+#[test]
+fn segments_are_the_rooms_in_both_lists() {
+    let building = building::drawn(Pose2::default());
+    let list: serde_json::Value =
+        serde_json::from_slice(&segments_json(&building.map, "home").unwrap()).unwrap();
+    let valetudo: serde_json::Value =
+        serde_json::from_slice(&valetudo_json(&building.map, &building.shape()).unwrap()).unwrap();
+    let layers = valetudo["layers"].as_array().unwrap();
+    let segments: Vec<_> = layers.iter().filter(|layer| layer["type"] == "segment").collect();
+    assert_eq!(list.as_array().unwrap().len(), segments.len());
+    for (listed, segment) in list.as_array().unwrap().iter().zip(&segments) {
+        assert_eq!(
+            (&listed["id"], &listed["name"]),
+            (&segment["metaData"]["segmentId"], &segment["metaData"]["name"])
+        );
+        assert_eq!(listed["group"], "home");
+        let id: u32 = listed["id"].as_str().unwrap().parse().unwrap();
+        let place = building.map.place(PlaceId(id)).unwrap();
+        assert_eq!(segment["metaData"]["area"].as_u64().unwrap(), (place.area_m2 * 1e4).round() as u64);
+        // A run that contains the anchor, y from the top.
+        let at = building.grid.frame.cell_at(place.anchor).unwrap();
+        let row = u64::from(building.grid.cells.height() - 1 - at.y);
+        let runs: Vec<u64> =
+            segment["compressedPixels"].as_array().unwrap().iter().map(|n| n.as_u64().unwrap()).collect();
+        let has = |run: &[u64]| run[1] == row && (run[0]..run[0] + run[2]).contains(&u64::from(at.x));
+        assert!(runs.chunks_exact(3).any(has), "{id}");
+    }
+    assert_eq!(valetudo["pixelSize"], 5);
+}
+
+#[test]
+fn the_building_lies_on_its_background() {
+    let building = building::drawn(Pose2::new(-3.0, 2.0, 0.4));
+    let shape = building.shape();
+    let info = RmfInfo { background: "home.png".into(), ..rmf_info() };
+    let file: serde_json::Value = serde_saphyr::from_str(
+        &String::from_utf8(rmf_building(&building.map, &shape, &info).unwrap()).unwrap(),
+    )
+    .unwrap();
+    let level = &file["levels"]["L1"];
+    let layer = &level["layers"]["map"];
+    assert_eq!(layer["filename"], "home.png");
+    let number = |key: &str| layer["transform"][key].as_f64().unwrap();
+    let image =
+        image::load_from_memory(&rmf_background(&building.map, &shape).unwrap()).unwrap().into_luma8();
+    // As the editor places a pixel: turned by -yaw, y up, the first row at the translation.
+    let value = |place: &placegraph::topology::Place| {
+        let (x, y) = (place.anchor.x - number("translation_x"), place.anchor.y - number("translation_y"));
+        let (sin, cos) = (-number("yaw")).sin_cos();
+        let (column, row) = ((x * cos + y * sin) / number("scale"), (y * cos - x * sin) / number("scale"));
+        image.get_pixel(column as u32, row as u32).0[0]
+    };
+    assert!(building.map.places.iter().all(|place| value(place) == 255));
+    let n_corners: usize =
+        building.map.places.iter().flat_map(|place| &place.outline).map(|part| part.exterior.len()).sum();
+    let n_floor: usize = level["floors"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|floor| floor["vertices"].as_array().unwrap().len())
+        .sum();
+    assert!(n_floor <= n_corners && n_floor >= 3 * building.map.places.len(), "{n_floor} of {n_corners}");
+}
+
+#[test]
+fn graphviz_reads_backslashes_as_they_are() {
+    let mut building = building::drawn(Pose2::default());
+    building.map.places[0].name = "c:\\new \"lab\"\\".to_owned();
+    let text = dot(&building.map, &building.labels);
+    assert!(text.contains(r#"c:\\new \"lab\"\\"#), "{text}");
+    assert!(!text.contains(r"c:\new"), "{text}");
 }

@@ -8,6 +8,7 @@ mod building;
 mod metamorphic;
 mod regions_correction;
 mod regions_oracles;
+mod topology_align;
 mod topology_doorways;
 mod topology_edits;
 mod topology_identity;

@@ -191,3 +191,20 @@ fn a_default_name_makes_way_for_a_given_one() {
     assert_eq!(map.place(first).unwrap().name, taken);
     assert_eq!(map.place(last).unwrap().name, format!("{taken} (2)"));
 }
+
+#[test]
+fn a_number_that_vanished_is_not_given_again() {
+    // The highest number of the earlier result belongs to a place that is no longer there.
+    let mut previous = named();
+    let mut gone = previous.places[0].clone();
+    (gone.id, gone.name) = (PlaceId(99), "gone".to_owned());
+    gone.outline.clear();
+    previous.places.push(gone);
+    previous.last_id = PlaceId(99);
+    let mut current = building::drawn(Pose2::default());
+    current.map.places[0].outline.clear();
+    let carried = carry_over(&current.map, current.shape(), &previous, &BTreeMap::new());
+    let new = carried.map.places.last().unwrap();
+    assert_eq!(new.id, PlaceId(100), "{:?}", carried.changes);
+    assert!(carried.changes.contains(&Change::Vanished { place: PlaceId(99), name: "gone".to_owned() }));
+}

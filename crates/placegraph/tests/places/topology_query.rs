@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use petgraph::graph::UnGraph;
 use placegraph::geom::{Point2, Pose2};
 use placegraph::topology::query::{PlaceIndex, RouteIndex, Whereabouts, find_place, find_route};
-use placegraph::topology::{PlaceId, PlaceRaster};
+use placegraph::topology::{Connection, PlaceId, PlaceRaster};
 use proptest::prelude::*;
 
 #[test]
@@ -122,4 +122,19 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn of_equally_long_ways_the_one_over_the_lower_number_is_taken() {
+    let mut map = building::drawn(Pose2::default()).map;
+    let line = map.connections.iter().find_map(|connection| connection.route.clone()).unwrap();
+    let model = map.connections[0].clone();
+    let joined = [(1, 2), (1, 3), (2, 4), (3, 4)];
+    map.connections = joined
+        .map(|(a, b)| Connection { a: PlaceId(a), b: PlaceId(b), route: Some(line.clone()), ..model.clone() })
+        .to_vec();
+    let places = |from, to| find_route(&map, PlaceId(from), PlaceId(to)).unwrap().places;
+    assert_eq!(places(1, 4), [1, 2, 4].map(PlaceId));
+    assert_eq!(places(4, 1), [4, 2, 1].map(PlaceId));
+    assert_eq!(places(2, 3), [2, 1, 3].map(PlaceId));
 }

@@ -141,3 +141,27 @@ fn cells_on_a_segment_by_clipping() {
     let cells = cells_on_segment(Point2::new(0.5, 0.5), Point2::new(1.5, 1.5), 0.0);
     assert_eq!(cells, [(0, 0), (1, 0), (0, 1), (1, 1)]);
 }
+
+/// A door on the left, and a wall that juts out between it and the middle of the room.
+const CORNER: &str = "
+    #####################
+    #cc#rrrr##rrrrrrrrrr#
+    #cc#rrrr##rrrrrrrrrr#
+    #ccdrrrr##rrrrrrrrrr#
+    #ccdrrrr##rrrrrrrrrr#
+    #ccdrrrrrrrrrrrrrrrr#
+    #ccdrrrrrrrrrrrrrrrr#
+    #cc#rrrrrrrrrrrrrrrr#
+    #cc#rrrrrrrrrrrrrrrr#
+    #####################
+";
+
+#[test]
+fn routes_keep_away_from_corners_where_that_is_not_far() {
+    let building = building::from_drawing(CORNER, Pose2::default());
+    let room = building.place_at(5, 2).id;
+    let route = building.map.connections_of(room).next().unwrap().route.as_ref().unwrap();
+    assert!(route.line.len() > 2, "around the corner: {route:?}");
+    // The shortest way touches the corner; a letter is 0.25 m.
+    assert!(route.clearance_m.unwrap() >= 0.3, "{route:?}");
+}

@@ -267,7 +267,8 @@ def mask(name):
         assert file["mode"] == "raw" and len(file["origin"]) == 3 and file["origin"][2] == 0
         assert image.ndim == 2 and image.max() <= 100
         parameters = folder.yaml(f"{name}_params.yaml")
-        info = parameters["costmap_filter_info_server"]["ros__parameters"]
+        short = {"zones": "zone_parameter"}.get(name, name)
+        info = parameters[f"{short}_costmap_filter_info_server"]["ros__parameters"]
         assert type(info["base"]) is float and type(info["multiplier"]) is float
         if name == "zones":
             declared_zones(parameters, image)
@@ -279,6 +280,30 @@ def mask(name):
         return f"{image.shape[1]} x {image.shape[0]}, values {sorted(set(image.ravel().tolist()))[:6]}"
 
     return check
+
+
+def filters(folder):
+    """Every filter has servers of its own, the topics meet, and the launch file starts what the parameters name."""
+    file = folder.yaml("nav2_filters.yaml")
+    launch = (folder.path / "nav2_filters.launch.py").read_text()
+    compile(launch, "nav2_filters.launch.py", "exec")
+    masks = {}
+    for line in launch.splitlines():
+        if line.strip().startswith("'") and ".yaml" in line and ":" in line:
+            name, mask_file = line.strip().rstrip(",").split(": ")
+            masks[name.strip("'")] = mask_file.strip('"')
+    costmap = file["global_costmap"]["global_costmap"]["ros__parameters"]
+    assert costmap["filters"] == ["keepout_filter", "speed_filter"], costmap["filters"]
+    assert file["local_costmap"]["local_costmap"]["ros__parameters"]["filters"] == ["keepout_filter"]
+    assert list(masks) == ["keepout", "speed", "zone_parameter"], masks
+    for name, mask_file in masks.items():
+        server = file[f"{name}_filter_mask_server"]["ros__parameters"]
+        info = file[f"{name}_costmap_filter_info_server"]["ros__parameters"]
+        assert server["yaml_filename"] == mask_file and server["topic_name"] == info["mask_topic"]
+        assert costmap[f"{name}_filter"]["filter_info_topic"] == info["filter_info_topic"]
+        image = folder.yaml(mask_file)["image"]
+        assert Image.open(folder.path / image).size[0] > 0
+    return f"{len(masks)} filters"
 
 
 def declared_zones(parameters, image):
@@ -387,6 +412,7 @@ CHECKS = {
     "keep-out mask": mask("keepout"),
     "speed mask": mask("speed"),
     "zone mask": mask("zones"),
+    "all masks": filters,
     "vector shapes": shapes,
     "SVG": svg,
     "report in Chromium": report,

@@ -4,7 +4,9 @@ use std::path::Path;
 use std::time::Duration;
 
 use anyhow::Result;
+use placegraph::geom::Pose2;
 use placegraph::progress::Stage;
+use placegraph::topology::align::Alignment;
 use placegraph::topology::identity::Change;
 use placegraph::topology::{PlaceId, TopologicalMap};
 
@@ -35,6 +37,11 @@ pub(super) fn run(job: &Job, setup: &Setup<'_>, verbose: bool) -> Result<Outcome
         if let Ok(applied) = outcome {
             complain(&format!("edit {n}: {applied}"));
         }
+    }
+    if let Some(found) = analysis.frames.and_then(|frames| frames.alignment).filter(Alignment::is_certain) {
+        let Pose2 { x, y, yaw_rad } = found.new_from_old;
+        let turn_deg = yaw_rad.sin().atan2(yaw_rad.cos()).to_degrees();
+        complain(&format!("earlier result turned by {turn_deg:.2} degrees, shifted by {x:.2} {y:.2} m"));
     }
     for change in &analysis.changes {
         print(&format!("{}\n", in_words(change, &analysis.topology)))?;

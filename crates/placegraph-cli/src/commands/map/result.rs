@@ -11,7 +11,7 @@ use placegraph::export::{
 use placegraph::grid::{CellGraph, Grid, Occupancy};
 use placegraph::import::{LoadedMap, Severity, check, has_memory};
 use placegraph::labels::LabelField;
-use placegraph::pipeline::{self, Analysis};
+use placegraph::pipeline::{self, Analysis, Frames};
 use placegraph::progress::Stage;
 use placegraph::topology::reach::{self, GraphCheck};
 
@@ -63,7 +63,8 @@ pub(super) fn label(map: &LoadedMap, setup: &Setup<'_>, context: &Context, watch
     let mut document =
         TopologyDocument::new(info, Some(setup.model.info()), &model.label_set, &analysis.topology);
     document.program.options.clone_from(&context.options);
-    let unapplied = unapplied_edits(&analysis, context);
+    let mut unapplied = unapplied_edits(&analysis, context);
+    unapplied.extend(analysis.frames.as_ref().filter(|frames| frames.disagree()).map(disagreement));
     let errors = findings.iter().filter(|finding| finding.severity() == Severity::Error);
     document.errors = errors.map(hints::told).chain(unapplied.iter().cloned()).collect();
     document.findings = findings.iter().map(hints::told).chain(unapplied).collect();
@@ -87,6 +88,20 @@ fn unapplied_edits(analysis: &Analysis, context: &Context) -> Vec<String> {
     let outcomes = analysis.edit_outcomes.iter().enumerate();
     let unapplied = outcomes.filter_map(|(index, outcome)| Some((index + 1, outcome.as_ref().err()?)));
     unapplied.map(|(n, reason)| format!("edit {n} of {file} does not apply: {reason}")).collect()
+}
+
+/// Why no name of the earlier result was kept.
+fn disagreement(frames: &Frames) -> String {
+    let tried = match &frames.alignment {
+        None => "give --align to find the turn and the shift between them",
+        Some(found) if found.is_certain() => "nor do they once the earlier one is turned and shifted",
+        Some(_) => "and no turn and shift lays them on one another with certainty",
+    };
+    format!(
+        "the frames of the map and of the earlier result do not agree: {:.0} % of the area is that of the same places; no number and \
+         no name was kept; {tried}",
+        100.0 * frames.matched_share
+    )
 }
 
 /// The files of a result, the document last. A format that cannot hold the map is skipped, as the document says.
@@ -140,6 +155,7 @@ pub(super) fn add_exports(
     let mut skipped = Vec::new();
     let mut export = Export::new(document, &setup.masks)?;
     export.written = document::fixed_time().unwrap_or_default();
+    export.georeference = setup.args.georeference.map(|place| place.0);
     if let Some((occupancy, probability)) = picture {
         export.occupancy = Some(occupancy);
         export.probability = Some(probability);

@@ -11,7 +11,7 @@ use placegraph::topology::edits::{Edit, EditFile};
 use placegraph::topology::reach::Robot;
 
 use super::jobs::Job;
-use crate::args::{Formats, MapArgs, PointArg, ReadArgs, RulesArg};
+use crate::args::{Formats, GeoArg, MapArgs, PointArg, ReadArgs, RulesArg};
 use crate::document;
 use crate::model::NamedModel;
 use crate::read;
@@ -79,6 +79,7 @@ impl<'a> Setup<'a> {
                 from: self.args.from.map(|point| Point2::new(point.x, point.y)),
             },
             previous: previous.as_ref().map(TopologyDocument::topology),
+            align_previous: self.args.align,
             ..if self.args.no_doorways { pipeline::Config::chapter() } else { pipeline::Config::default() }
         };
         Ok(Context {
@@ -117,6 +118,8 @@ fn options(args: &MapArgs, masks_hash: Option<&str>) -> Vec<String> {
         probabilities,
         no_doorways,
         no_correction,
+        georeference,
+        align,
         robot_radius,
         from,
         read:
@@ -135,12 +138,16 @@ fn options(args: &MapArgs, masks_hash: Option<&str>) -> Vec<String> {
         (*no_doorways, "--no-doorways"),
         (*no_correction, "--no-correction"),
         (*rules == RulesArg::Humble, "--rules humble"),
+        (*align, "--align"),
         (*rules == RulesArg::Ros1, "--rules ros1"),
         (*trust_thresholds, "--trust-thresholds"),
     ];
     let mut options: Vec<String> =
         switches.into_iter().filter(|(is_on, _)| *is_on).map(|(_, name)| name.to_owned()).collect();
     options.extend((*robot_radius > 0.0).then(|| format!("--robot-radius {robot_radius}")));
+    options.extend(georeference.map(|GeoArg(place)| {
+        format!("--georeference {},{},{}", place.latitude_deg, place.longitude_deg, place.heading_deg)
+    }));
     options.extend(from.map(|PointArg { x, y }| format!("--from {x},{y}")));
     options.extend(resolution.map(|resolution| format!("--resolution {resolution}")));
     options.extend(masks_hash.map(|hash| format!("--masks sha256:{hash}")));

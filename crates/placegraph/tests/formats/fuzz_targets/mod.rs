@@ -129,7 +129,7 @@ pub fn topology(bytes: &[u8]) {
 fn exports(document: &TopologyDocument, map: &TopologicalMap) {
     let (classes, frame_id) = (&document.classes, document.map.frame_id.as_str());
     let shape = document.map.shape().expect("what was read has a frame");
-    let info = RmfInfo { building: "b".into(), level: "L1".into(), drawing: "map.png".into() };
+    let info = RmfInfo { building: "b".into(), level: "L1".into(), background: "map.png".into() };
     let tmap = TmapInfo {
         name: "b".into(),
         metric_map: "b".into(),
@@ -158,7 +158,7 @@ fn exports(document: &TopologyDocument, map: &TopologicalMap) {
         Ok(dot(map, classes).into_bytes()),
         Ok(regions_svg(map, classes, &shape).into_bytes()),
         graphml(map, &shape, frame_id),
-        regions_geojson(map),
+        regions_geojson(map, "map", None),
         nav2_route(map, frame_id),
         rmf_building(map, &shape, &info),
         rmf_nav_graph(map, &shape, &info),
