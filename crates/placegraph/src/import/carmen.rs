@@ -14,9 +14,10 @@ use std::io::{self, Read};
 
 use flate2::read::MultiGzDecoder;
 
-use super::MapError;
-use super::ros::{self, Interpretation};
-use crate::grid::{Cell, Grid, Occupancy};
+use super::ros::{self, Interpretation, Mode};
+use super::{Format, MapError, ReadOptions, Reader, Source, file};
+use crate::geom::Pose2;
+use crate::grid::{Cell, Grid, MapFrame, Occupancy, OccupancyGrid};
 
 const TAG: &[u8] = b"CARMENMAPFILEv020";
 const GZIP_MAGIC: &[u8] = &[0x1f, 0x8b];
@@ -40,6 +41,19 @@ pub struct CarmenMap {
 /// CARMEN itself stores no thresholds; those of map_server (0.196 and 0.65) give it the same three states.
 pub fn occupancy(p: f32, how: &Interpretation) -> Occupancy {
     if p < 0.0 { Occupancy::Unknown } else { ros::probability_occupancy(f64::from(p), how) }
+}
+
+/// How map files of this kind are read.
+pub(super) const READER: Reader = Reader { is_known: is_carmen, max_bytes: file::max_bytes, read };
+
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<(OccupancyGrid, Source), MapError> {
+    let map = parse(bytes, options.max_cells)?;
+    let how = options.interpretation(Interpretation { mode: Mode::Raw, ..Default::default() });
+    how.check_thresholds()?;
+    let cells = map.probabilities.map(|&p| occupancy(p, &how));
+    let frame = options.frame(MapFrame::new(map.resolution_m, Pose2::default())?)?;
+    let source = Source { gray_205: options.gray_205, ..Source::new(Format::Carmen, how) };
+    Ok((OccupancyGrid { frame, cells }, source))
 }
 
 /// Whether `bytes` begin like a CARMEN map: gzipped, with a comment, or with the tag.

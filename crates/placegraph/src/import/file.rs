@@ -5,7 +5,7 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, Read};
 use std::path::{Component, Path, PathBuf};
 
-use super::{MapError, carmen, image, valetudo};
+use super::{MapError, image, reader_of};
 
 /// Largest YAML or TOML file that is read, in bytes.
 pub const MAX_TEXT_BYTES: u64 = 1 << 20;
@@ -40,17 +40,22 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, MapError> {
 /// If it cannot be read, changes meanwhile, or is larger than such a file can be. An image with too many pixels is
 /// refused by its header, before the rest is read.
 pub fn read_cells(path: &Path, max_cells: u64) -> Result<Vec<u8>, MapError> {
-    let max_bytes = |cells: u64| cells.saturating_mul(BYTES_PER_CELL).saturating_add(OVERHEAD_BYTES);
     read_with(path, |head| match image::declared_size(head) {
         Some((width, height)) => {
             MapError::check_size(width, height, max_cells)?;
             Ok(max_bytes(width * height))
         }
-        None if carmen::is_carmen(head) => Ok(max_bytes(max_cells)),
-        None if valetudo::is_json(head) => Ok(valetudo::MAX_BYTES),
-        // No header that is read: the decoder says what is wrong, whatever follows.
-        None => image::decode(head, max_cells).map(|_| OVERHEAD_BYTES),
+        None => match reader_of(head) {
+            Some(reader) => Ok((reader.max_bytes)(max_cells)),
+            // No header that is read: the decoder says what is wrong, whatever follows.
+            None => image::decode(head, max_cells).map(|_| OVERHEAD_BYTES),
+        },
     })
+}
+
+/// Most bytes of a file with this many cells.
+pub(super) fn max_bytes(cells: u64) -> u64 {
+    cells.saturating_mul(BYTES_PER_CELL).saturating_add(OVERHEAD_BYTES)
 }
 
 /// Reads the file at `path`, of at most so many bytes as `max_bytes` allows for its first ones.

@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 use super::file::{self, NamedFiles};
 use super::image::Raster;
 use super::ros::{self, Brightness, Interpretation, Mode, Rules};
-use super::{MapError, carmen, image, smoothing, valetudo};
+use super::{Format, MapError, image, reader_of, smoothing};
 use crate::geom::Pose2;
 use crate::grid::{Grid, MapFrame, Occupancy, OccupancyGrid};
 use crate::text::printable;
@@ -60,18 +60,22 @@ impl Default for ReadOptions {
     }
 }
 
-/// The kinds of map file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Format {
-    /// A map_server YAML and its image.
-    MapServer,
-    /// An image alone.
-    Image,
-    /// A CARMEN map.
-    Carmen,
-    /// A map of a robot vacuum, as the JSON of Valetudo.
-    Valetudo,
+impl ReadOptions {
+    /// What a file says of its values, with what the options replace.
+    pub(super) fn interpretation(&self, file: Interpretation) -> Interpretation {
+        Interpretation {
+            occupied_thresh: self.occupied_thresh.unwrap_or(file.occupied_thresh),
+            free_thresh: self.free_thresh.unwrap_or(file.free_thresh),
+            rules: self.rules,
+            ..file
+        }
+    }
+
+    /// Where a file says its cells are, with the resolution of the options.
+    pub(super) fn frame(&self, file: MapFrame) -> Result<MapFrame, MapError> {
+        let resolution_m = self.resolution_m.unwrap_or(file.resolution_m());
+        Ok(MapFrame::new(resolution_m, file.map_from_grid())?)
+    }
 }
 
 /// How a map was read: what the check of it needs to know.
@@ -156,22 +160,18 @@ fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
         let in_image = |error| MapError::ImageFile { image: image.clone(), error: Box::new(error) };
         let image_bytes = file::read_cells(&image, options.max_cells).map_err(in_image)?;
         hash.update(&image_bytes);
-        replace_interpretation(yaml.interpretation, options).check_thresholds()?;
+        options.interpretation(yaml.interpretation).check_thresholds()?;
         let raster = image::decode(&image_bytes, options.max_cells).map_err(in_image)?;
         let (cells, source) = read_image(raster, Format::MapServer, yaml.interpretation, options);
         let source = Source { replaced_image, ..source };
-        (OccupancyGrid { frame: replace_resolution(yaml.frame, options)?, cells }, source)
-    } else if carmen::is_carmen(&bytes) {
-        read_carmen(&bytes, options)?
-    } else if valetudo::is_json(&bytes) {
-        let map = valetudo::parse(&bytes, options.max_cells)?;
-        let grid = OccupancyGrid { frame: replace_resolution(map.frame, options)?, cells: map.cells };
-        (grid, Source::new(Format::Valetudo, Interpretation::default()))
+        (OccupancyGrid { frame: options.frame(yaml.frame)?, cells }, source)
+    } else if let Some(reader) = reader_of(&bytes) {
+        (reader.read)(&bytes, options)?
     } else {
         let raster = image::decode(&bytes, options.max_cells)?;
         let resolution_m =
             options.resolution_m.ok_or_else(|| MapError::NoResolution { yaml: yaml_beside(path) })?;
-        replace_interpretation(Interpretation::default(), options).check_thresholds()?;
+        options.interpretation(Interpretation::default()).check_thresholds()?;
         let (cells, source) = read_image(raster, Format::Image, Interpretation::default(), options);
         (OccupancyGrid { frame: MapFrame::new(resolution_m, Pose2::default())?, cells }, source)
     };
@@ -220,7 +220,7 @@ pub fn read_image(
     interpretation: Interpretation,
     options: &ReadOptions,
 ) -> (Grid<Occupancy>, Source) {
-    let how = replace_interpretation(interpretation, options);
+    let how = options.interpretation(interpretation);
     let Brightness { cells, divisor } = ros::brightness(raster, &how);
     let mut counts = vec![0; 256 * usize::from(divisor)];
     let mut transparent_cells = 0;
@@ -262,30 +262,6 @@ fn trap_205(counts: &[u64], gray_of: impl Fn(usize) -> f64, how: &Interpretation
     let n_between = count(&|gray| gray > 100.0 && gray < 250.0);
     let n_cells: u64 = counts.iter().sum();
     if n_205 * 100 >= n_cells && n_205 * 2 > n_between { n_205 } else { 0 }
-}
-
-fn read_carmen(bytes: &[u8], options: &ReadOptions) -> Result<(OccupancyGrid, Source), MapError> {
-    let map = carmen::parse(bytes, options.max_cells)?;
-    let how = replace_interpretation(Interpretation { mode: Mode::Raw, ..Default::default() }, options);
-    how.check_thresholds()?;
-    let cells = map.probabilities.map(|&p| carmen::occupancy(p, &how));
-    let frame = replace_resolution(MapFrame::new(map.resolution_m, Pose2::default())?, options)?;
-    let source = Source { gray_205: options.gray_205, ..Source::new(Format::Carmen, how) };
-    Ok((OccupancyGrid { frame, cells }, source))
-}
-
-fn replace_interpretation(file: Interpretation, options: &ReadOptions) -> Interpretation {
-    Interpretation {
-        occupied_thresh: options.occupied_thresh.unwrap_or(file.occupied_thresh),
-        free_thresh: options.free_thresh.unwrap_or(file.free_thresh),
-        rules: options.rules,
-        ..file
-    }
-}
-
-fn replace_resolution(frame: MapFrame, options: &ReadOptions) -> Result<MapFrame, MapError> {
-    let resolution_m = options.resolution_m.unwrap_or(frame.resolution_m());
-    Ok(MapFrame::new(resolution_m, frame.map_from_grid())?)
 }
 
 fn is_yaml(path: &Path) -> bool {

@@ -30,5 +30,44 @@ pub use error::has_memory;
 pub use file::{MAX_TEXT_BYTES, NamedFiles, named_file, namesake, read, read_cells};
 pub use finding::{Finding, Severity};
 pub use labels::{LabelCell, LabelCoding, LabelImageError, image_size, read_labels, read_rooms};
-pub use load::{Format, Gray205, LoadedMap, ReadOptions, ReplacedImage, Source, load_map, read_image};
+pub use load::{Gray205, LoadedMap, ReadOptions, ReplacedImage, Source, load_map, read_image};
 pub use training_file::{TrainingFile, TrainingFileError, TrainingMap};
+
+use serde::Serialize;
+
+use crate::grid::OccupancyGrid;
+
+/// The kinds of map file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Format {
+    /// A map_server YAML and its image.
+    MapServer,
+    /// An image alone.
+    Image,
+    /// A CARMEN map.
+    Carmen,
+    /// A map of a robot vacuum, as the JSON of Valetudo.
+    Valetudo,
+}
+
+/// A kind of map file that holds a whole map.
+struct Reader {
+    /// Whether a file that begins so is of this kind.
+    is_known: fn(&[u8]) -> bool,
+    /// Most bytes of a file with at most this many cells.
+    max_bytes: fn(u64) -> u64,
+    /// Reads a whole file.
+    read: ReadMap,
+}
+
+/// Makes a map of the bytes of a file.
+type ReadMap = fn(&[u8], &ReadOptions) -> Result<(OccupancyGrid, Source), MapError>;
+
+/// All of them. What none of them knows is an image.
+const READERS: &[Reader] = &[carmen::READER, valetudo::READER];
+
+/// The kind of file that begins with `head`.
+fn reader_of(head: &[u8]) -> Option<&'static Reader> {
+    READERS.iter().find(|reader| (reader.is_known)(head))
+}

@@ -9,9 +9,10 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::MapError;
+use super::ros::Interpretation;
+use super::{Format, MapError, ReadOptions, Reader, Source};
 use crate::geom::Pose2;
-use crate::grid::{Cell, Grid, MapFrame, Occupancy};
+use crate::grid::{Cell, Grid, MapFrame, Occupancy, OccupancyGrid};
 
 /// Largest file that is read, in bytes: homes take a tenth of a megabyte.
 pub const MAX_BYTES: u64 = 1 << 24;
@@ -99,6 +100,15 @@ impl Layer {
         };
         if self.kind == "segment" { id.filter(|&id| id > 0).unwrap_or(otherwise) } else { 0 }
     }
+}
+
+/// How map files of this kind are read.
+pub(super) const READER: Reader = Reader { is_known: is_json, max_bytes: |_| MAX_BYTES, read };
+
+fn read(bytes: &[u8], options: &ReadOptions) -> Result<(OccupancyGrid, Source), MapError> {
+    let map = parse(bytes, options.max_cells)?;
+    let grid = OccupancyGrid { frame: options.frame(map.frame)?, cells: map.cells };
+    Ok((grid, Source::new(Format::Valetudo, Interpretation::default())))
 }
 
 /// Whether `bytes` begin like JSON.

@@ -1,10 +1,11 @@
 //! Replays the committed corpus through the fuzz targets: whole, cut off at every byte, with every byte changed, and
 //! with random changes. No input may panic.
 
-use crate::fuzz_targets;
+use crate::fuzz_targets::TARGETS;
 use std::env;
 use std::fs;
 use std::path::Path;
+use std::thread;
 use std::time::Instant;
 
 /// The files of a target: one for every way into the reader, and those that once crashed it.
@@ -112,46 +113,11 @@ fn replace_a_number(bytes: &mut Vec<u8>, at: usize, word: &[u8]) {
 }
 
 #[test]
-fn map_yaml() {
-    replay("map_yaml", fuzz_targets::map_yaml);
-}
-
-#[test]
-fn map_image() {
-    replay("map_image", fuzz_targets::map_image);
-}
-
-#[test]
-fn carmen() {
-    replay("carmen", fuzz_targets::carmen);
-}
-
-#[test]
-fn valetudo() {
-    replay("valetudo", fuzz_targets::valetudo);
-}
-
-#[test]
-fn label_image() {
-    replay("label_image", fuzz_targets::label_image);
-}
-
-#[test]
-fn model() {
-    replay("model", fuzz_targets::model);
-}
-
-#[test]
-fn topology() {
-    replay("topology", fuzz_targets::topology);
-}
-
-#[test]
-fn training_file() {
-    replay("training_file", fuzz_targets::training_file);
-}
-
-#[test]
-fn edits() {
-    replay("edits", fuzz_targets::edits);
+fn no_input_makes_a_reader_panic() {
+    thread::scope(|scope| {
+        for &(target, run) in TARGETS {
+            let named = thread::Builder::new().name(target.to_owned());
+            named.spawn_scoped(scope, move || replay(target, run)).unwrap();
+        }
+    });
 }

@@ -23,6 +23,22 @@ use placegraph::topology::edits::{EditFile, Numbering, apply, apply_to_map};
 use placegraph::topology::query::{PlaceIndex, find_route};
 use placegraph::topology::{PlaceRaster, TopologicalMap};
 
+/// What a target does with bytes.
+pub type Target = fn(&[u8]);
+
+/// Every target: its name, which is that of its corpus, and what it does with bytes.
+pub const TARGETS: &[(&str, Target)] = &[
+    ("map_yaml", map_yaml),
+    ("map_image", map_image),
+    ("carmen", carmen),
+    ("valetudo", valetudo),
+    ("label_image", label_image),
+    ("model", model),
+    ("topology", topology),
+    ("training_file", training_file),
+    ("edits", edits),
+];
+
 /// Small enough for fuzzing, large enough for every branch.
 const MAX_CELLS: u64 = 1 << 16;
 
