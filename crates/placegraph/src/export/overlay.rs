@@ -14,7 +14,7 @@ pub(super) const FONTS: &str = "DejaVu Sans Condensed, DejaVu Sans, Arial, sans-
 pub(super) const INK: &str = "#232936";
 
 /// Places without connections are drawn from this area on, in m².
-const SPECK_M2: f64 = 1.0;
+const ISLAND_M2: f64 = 1.0;
 
 /// How meters of the map frame become pixels, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,8 +68,8 @@ pub fn overlay_svg(topology: &TopologicalMap, label_set: &LabelSet, view: &View)
     svg
 }
 
-/// The places that the report's page lists at once: not the specks behind walls and inside furniture, which connect to
-/// nothing and are smaller than [`SPECK_M2`].
+/// The places that the report's page lists at once: not the islands behind walls and inside furniture, which connect to
+/// nothing and are smaller than [`ISLAND_M2`].
 pub(super) fn listed_places(topology: &TopologicalMap) -> Vec<&Place> {
     let mut is_connected = vec![false; topology.places.len()];
     for id in topology.connections.iter().flat_map(|connection| [connection.a, connection.b]) {
@@ -79,7 +79,7 @@ pub(super) fn listed_places(topology: &TopologicalMap) -> Vec<&Place> {
     }
     let listed = topology.places.iter().zip(is_connected);
     listed
-        .filter(|(place, connected)| *connected || place.area_m2 >= SPECK_M2)
+        .filter(|(place, connected)| *connected || place.area_m2 >= ISLAND_M2)
         .map(|(place, _)| place)
         .collect()
 }

@@ -38,9 +38,9 @@ pub struct MapCheck {
 /// A free place is wider than a robot: cells within this distance of another state count as thin.
 const ROBOT_RADIUS_M: f64 = 0.25;
 /// Free areas below the footprint of a robot are no places.
-pub(super) const SPECK_M2: f64 = 0.25;
-/// Fewer specks than these are not worth a line.
-const MIN_SPECKS: u64 = 10;
+pub(super) const ISLAND_M2: f64 = 0.25;
+/// Fewer islands than these are not worth a line.
+const MIN_ISLANDS: u64 = 10;
 /// In an inverted map the "free" cells are walls: nearly all of them are thin.
 const MAX_WIDE_FREE_IF_INVERTED: f64 = 1.0 / 3.0;
 /// No building is smaller in both directions.
@@ -118,7 +118,7 @@ fn shape(map: &OccupancyGrid) -> (Vec<Finding>, u64) {
         }
     }
     let cell_area_m2 = map.frame.cell_area_m2();
-    let areas = FreeAreas::new(&map.cells, &free, SPECK_M2 / cell_area_m2);
+    let areas = FreeAreas::new(&map.cells, &free, ISLAND_M2 / cell_area_m2);
     findings.extend(implausible_resolution(areas.largest, resolution_m));
     let (right, top) = (free.width() - 1, free.height() - 1);
     let on_border = |cell: &Cell| cell.x == 0 || cell.y == 0 || cell.x == right || cell.y == top;
@@ -126,9 +126,9 @@ fn shape(map: &OccupancyGrid) -> (Vec<Finding>, u64) {
     if n_border > 0 {
         findings.push(Finding::OpenToBorder { n_cells: n_border as u64 });
     }
-    if areas.n_specks >= MIN_SPECKS {
-        let area_m2 = areas.n_speck_cells as f64 * cell_area_m2;
-        findings.push(Finding::Specks { n_specks: areas.n_specks, area_m2 });
+    if areas.n_islands >= MIN_ISLANDS {
+        let area_m2 = areas.n_island_cells as f64 * cell_area_m2;
+        findings.push(Finding::Islands { n_islands: areas.n_islands, area_m2 });
     }
     (findings, areas.n_parts)
 }
@@ -136,9 +136,9 @@ fn shape(map: &OccupancyGrid) -> (Vec<Finding>, u64) {
 /// The areas of free cells that touch one another, by corners too.
 struct FreeAreas {
     /// Those smaller than a robot.
-    n_specks: u64,
+    n_islands: u64,
     /// Cells in them.
-    n_speck_cells: u64,
+    n_island_cells: u64,
     /// The others.
     n_parts: u64,
     largest: LargestArea,
@@ -155,11 +155,11 @@ struct LargestArea {
 
 impl FreeAreas {
     fn new(cells: &Grid<Occupancy>, clearance: &Grid<u16>, min_cells: f64) -> Self {
-        let mut found = Self { n_specks: 0, n_speck_cells: 0, n_parts: 0, largest: LargestArea::default() };
+        let mut found = Self { n_islands: 0, n_island_cells: 0, n_parts: 0, largest: LargestArea::default() };
         for_each_free_area(cells, |area| {
             if (area.len() as f64) < min_cells {
-                found.n_specks += 1;
-                found.n_speck_cells += area.len() as u64;
+                found.n_islands += 1;
+                found.n_island_cells += area.len() as u64;
             } else {
                 found.n_parts += 1;
             }
@@ -191,7 +191,7 @@ fn wide_share(clearance: &Grid<u16>, resolution_m: f64) -> f64 {
     if n_cells == 0 { 0.0 } else { n_wide as f64 / n_cells as f64 }
 }
 
-/// Judged by the largest area alone: specks around a map say nothing of its scale.
+/// Judged by the largest area alone: islands around a map say nothing of its scale.
 fn implausible_resolution(area: LargestArea, resolution_m: f64) -> Option<Finding> {
     let LargestArea { mut distances, extent_cells } = area;
     let largest = f64::from(*distances.iter().max()?);

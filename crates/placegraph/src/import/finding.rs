@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::ReplacedImage;
-use super::check::SPECK_M2;
+use super::check::ISLAND_M2;
 
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -101,9 +101,9 @@ pub enum Finding {
         n_cells: u64,
     },
     /// Many small free areas that nothing leads to.
-    Specks {
+    Islands {
         /// Number of free areas below 0.25 m².
-        n_specks: u64,
+        n_islands: u64,
         /// Their area together, in square meters.
         area_m2: f64,
     },
@@ -122,7 +122,7 @@ impl Finding {
             | Self::ReplacedImage(_)
             | Self::YawInDegrees { .. }
             | Self::NoOccupiedCell => Severity::Warning,
-            Self::NoUnknownCell | Self::Smoothed { .. } | Self::Transparent { .. } | Self::Specks { .. } => {
+            Self::NoUnknownCell | Self::Smoothed { .. } | Self::Transparent { .. } | Self::Islands { .. } => {
                 Severity::Info
             }
         }
@@ -200,9 +200,9 @@ impl fmt::Display for Finding {
             Self::Transparent { n_cells } => {
                 write!(f, "{n_cells} cells are transparent in the image and were read as unknown or dimmed")
             }
-            Self::Specks { n_specks, area_m2 } => write!(
+            Self::Islands { n_islands, area_m2 } => write!(
                 f,
-                "{n_specks} free specks below {SPECK_M2} m² each ({area_m2:.1} m² together) are separated from the \
+                "{n_islands} islands of free cells below {ISLAND_M2} m² each ({area_m2:.1} m² together) are separated from the \
                  rest, mostly beams that passed through windows; they take the label of what is nearest and are no places"
             ),
         }

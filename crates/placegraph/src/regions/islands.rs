@@ -1,6 +1,6 @@
-//! Islands: specks of free space that no robot can reach or stand in.
+//! Islands: small areas of free space that no robot can reach or stand in.
 //!
-//! Ragged walls, gaps between boxes and stray beams leave specks of free cells that no step leads to. They are too
+//! Ragged walls, gaps between boxes and stray beams leave a few free cells that no step leads to. They are too
 //! small to be places, and a scan from inside one tells nothing but its own walls: an island takes the label of
 //! the free cell nearest to it. With [`Thresholds::min_island_m2`](super::Thresholds) of 0 there are none.
 //!
@@ -13,8 +13,8 @@ use super::{RegionId, RegionMap, contacts};
 use crate::grid::{Cell, CellGraph, FreeSpace};
 use crate::labels::Label;
 
-/// Regions up to which a map may consist of specks alone: more of them are a pattern, and no places.
-const MAX_SPECKS_ALONE: usize = 10_000;
+/// Regions up to which a map may consist of islands alone: more of them are a pattern, and no places.
+const MAX_ISLANDS_ALONE: usize = 10_000;
 
 /// The regions without neighbors that are smaller than `min_m2`, but none if all regions are and at most 10 000. Cost: that of
 /// [`contacts`].
@@ -30,7 +30,7 @@ pub fn islands(space: &FreeSpace, regions: &RegionMap, min_m2: f64) -> Vec<Regio
         .filter(|&id| is_alone[id] && is_small(regions.regions[id].n_cells))
         .map(|id| RegionId(id as u32))
         .collect();
-    let is_all = found.len() == regions.regions.len() && found.len() <= MAX_SPECKS_ALONE;
+    let is_all = found.len() == regions.regions.len() && found.len() <= MAX_ISLANDS_ALONE;
     if is_all { Vec::new() } else { found }
 }
 
@@ -115,7 +115,7 @@ mod tests {
     use crate::grid::OccupancyGrid;
     use crate::regions::{DiagonalSteps, connected};
 
-    /// A corridor on the left, a room on the right, two specks in the wall between them and one beyond the room.
+    /// A corridor on the left, a room on the right, two islands in the wall between them and one beyond the room.
     const MAP: &str = "
         ..#####...#.
         ..#.###...##
@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(islands(&space, &regions, 0.3), [of(5, 1), of(11, 3)]);
         assert_eq!(islands(&space, &regions, 0.6), [of(3, 1), of(5, 1), of(11, 3)]);
         assert_eq!(islands(&space, &regions, 0.0), []);
-        assert_eq!(islands(&space, &regions, 100.0), [], "a map of specks alone keeps them");
+        assert_eq!(islands(&space, &regions, 100.0), [], "a map of islands alone keeps them");
     }
 
     #[test]

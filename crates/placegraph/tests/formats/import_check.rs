@@ -61,7 +61,7 @@ fn name(finding: &Finding) -> &'static str {
         Finding::YawInDegrees { .. } => "yaw",
         Finding::Smoothed { .. } => "smoothed",
         Finding::Transparent { .. } => "transparent",
-        Finding::Specks { .. } => "specks",
+        Finding::Islands { .. } => "islands",
         _ => "new",
     }
 }
@@ -162,7 +162,7 @@ fn specks_do_not_judge_the_scale() {
     let map = loaded(grid);
     assert_eq!(
         names(&map).into_iter().filter(|name| *name != "border").collect::<Vec<_>>(),
-        ["inverted", "specks"][1..]
+        ["inverted", "islands"][1..]
     );
     assert_eq!(check(&map).n_parts, 1);
 }
@@ -186,11 +186,11 @@ fn specks_are_counted() {
         map.grid.cells.values_mut()[index * 5] = Occupancy::Free;
     }
     let found = check(&map).findings;
-    let specks = found.iter().find_map(|f| match f {
-        Finding::Specks { n_specks, area_m2 } => Some((*n_specks, *area_m2)),
+    let islands = found.iter().find_map(|f| match f {
+        Finding::Islands { n_islands, area_m2 } => Some((*n_islands, *area_m2)),
         _ => None,
     });
-    assert!(specks.is_some_and(|(n, area)| n == 12 && (area - 12.0 * 0.0025).abs() < 1e-12), "{found:?}");
+    assert!(islands.is_some_and(|(n, area)| n == 12 && (area - 12.0 * 0.0025).abs() < 1e-12), "{found:?}");
 }
 
 fn eval_maps(data: &Path) -> Vec<PathBuf> {
