@@ -19,7 +19,7 @@ use placegraph::scan::Instructions;
 use crate::args::{Cli, Command};
 use crate::commands::{
     Outcome, align, edit, evaluate, export, features, generate, info, list, locate, map, route, scan, shell,
-    train,
+    train, verify,
 };
 
 /// Runs the program with `args`, the first of which is its own name, and returns its exit status.
@@ -66,6 +66,7 @@ fn execute(cli: &Cli) -> Result<Outcome> {
         Command::Align(args) => align::run(args),
         Command::List(args) => list::run(args),
         Command::Edit(args) => edit::run(args),
+        Command::Verify(args) => verify::run(args),
         Command::Where(args) => locate::run(args),
         Command::Route(args) => route::run(args),
         Command::Completions(args) => shell::completions(args),

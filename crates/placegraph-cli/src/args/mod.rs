@@ -58,6 +58,8 @@ pub(crate) enum Command {
     List(ListArgs),
     /// Write a correction into an edit file: docs/edits.md
     Edit(EditArgs),
+    /// Check that results are as they were written
+    Verify(VerifyArgs),
     /// Tell which place a point lies in
     Where(WhereArgs),
     /// Tell the way from one place to another
@@ -102,7 +104,8 @@ pub(crate) enum RulesArg {
 #[derive(Debug, Args)]
 #[expect(clippy::struct_excessive_bools, reason = "a flag of the command line each")]
 pub(crate) struct MapArgs {
-    /// Maps: map_server YAML, image (with --resolution), CARMEN map or Valetudo JSON
+    /// Maps: map_server YAML, image (with --resolution), CARMEN map or Valetudo JSON; a folder stands for all maps in it, except
+    /// images alone
     #[arg(required = true, value_name = "MAP")]
     pub(crate) maps: Vec<PathBuf>,
     /// Folder for the results; several maps get a folder each in it
@@ -142,18 +145,24 @@ pub(crate) struct MapArgs {
     /// Where the robot is: what cannot be reached from there is cut off [default: what the largest part does not reach]
     #[arg(long, value_name = "X,Y", allow_hyphen_values = true)]
     pub(crate) from: Option<PointArg>,
-    /// Keep the numbers and names of this earlier result, and print what changed
-    #[arg(long, value_name = "TOPOLOGY.json")]
+    /// Keep the numbers and names of an earlier result, and print what changed: its topology.json, or the folder of the
+    /// earlier run, which may be that of --out
+    #[arg(long, value_name = "RESULT")]
     pub(crate) previous: Option<PathBuf>,
     /// The earlier result is in another frame: find the turn and the shift first
     #[arg(long, requires = "previous")]
     pub(crate) align: bool,
-    /// Apply these corrections by hand: docs/edits.md
+    /// Apply these corrections by hand: docs/edits.md. Of several maps, the name of the file that lies beside each, such
+    /// as edits.toml or floor1.edits.toml for floor1.yaml
     #[arg(long, value_name = "EDITS.toml")]
     pub(crate) edits: Option<PathBuf>,
-    /// Keep the results that are complete and made from the same map, model, options and version
-    #[arg(long, conflicts_with_all = ["previous", "edits"])]
+    /// Keep the results that are as they were written and made from the same map, model, options and version; other
+    /// formats of --export are added to them
+    #[arg(long)]
     pub(crate) resume: bool,
+    /// Replace files that are no results of placegraph, too
+    #[arg(long)]
+    pub(crate) force: bool,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
 }
@@ -384,7 +393,7 @@ pub(crate) struct ExportArgs {
     /// What to write
     #[arg(long, value_parser = values::format(), value_name = "FORMAT")]
     pub(crate) to: &'static Format,
-    /// Where to write it: a file, or an existing folder for a file with the usual name
+    /// Where to write it: a file, an existing folder for a file with the usual name, or - for standard output
     #[arg(short, long, value_name = "PATH")]
     pub(crate) output: PathBuf,
     /// What the costs, limits and zones of masks are: docs/exports.md
@@ -397,6 +406,9 @@ pub(crate) struct ExportArgs {
     /// clockwise from north
     #[arg(long, value_name = "LAT,LON,HEADING", allow_hyphen_values = true)]
     pub(crate) georeference: Option<GeoArg>,
+    /// Replace files that are no results of placegraph, too
+    #[arg(long)]
+    pub(crate) force: bool,
     #[command(flatten)]
     pub(crate) read: ReadArgs,
 }
@@ -425,6 +437,13 @@ pub(crate) struct ListArgs {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct VerifyArgs {
+    /// Folders of results, or folders that hold such
+    #[arg(required = true, value_name = "RESULT")]
+    pub(crate) results: Vec<PathBuf>,
 }
 
 #[derive(Debug, Args)]

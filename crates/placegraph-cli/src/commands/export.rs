@@ -2,14 +2,16 @@
 
 use std::path::Path;
 
-use anyhow::{Context, Result, ensure};
-use placegraph::export::{Export, MapInfo};
+use anyhow::{Context, Result, bail, ensure};
+use placegraph::export::{Export, FileRecord, Format, MapInfo, TopologyDocument};
 use placegraph::import::has_memory;
 
 use super::Outcome;
 use crate::args::ExportArgs;
-use crate::output::OutputSet;
-use crate::{document, read};
+use crate::commands::map::{export_option, seal};
+use crate::document::{self, DOCUMENT};
+use crate::output::{Existing, OutputSet, Target, print_bytes};
+use crate::read;
 
 /// Memory that an export takes at most for each cell of the map: a turned mask is twice as large as the map.
 const EXPORT_BYTES_PER_CELL: u64 = 8;
@@ -41,19 +43,47 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome> {
     export.written = document::fixed_time().unwrap_or_default();
     export.georeference = args.georeference.map(|place| place.0);
     export.occupancy = map.as_ref().map(|map| &map.grid.cells);
-    let (folder, main) = if args.output.is_dir() {
-        (args.output.as_path(), args.to.usual_name(&document.map.name))
-    } else {
-        let name = args.output.file_name().with_context(|| {
-            format!("expected the path of a file or an existing folder, found {}", args.output.display())
-        })?;
-        let folder = args.output.parent().filter(|folder| !folder.as_os_str().is_empty());
-        (folder.unwrap_or(Path::new(".")), name.to_string_lossy().into_owned())
+    let usual = args.to.usual_name(&document.map.name);
+    let (folder, main) = match Target::of(&args.output)? {
+        Target::StandardOutput => (None, usual.clone()),
+        Target::Folder(folder) => (Some(folder), usual.clone()),
+        Target::File { folder, name } => (Some(folder), name),
     };
-    let mut files = OutputSet::default();
-    for (name, bytes) in args.to.write(&export, &main).with_context(|| format!("cannot write {main}"))? {
+    let exported = args.to.write(&export, &main).with_context(|| format!("cannot write {main}"))?;
+    let Some(folder) = folder else {
+        let [(_, bytes)] = exported.as_slice() else {
+            bail!("expected a folder for the files of {}, found standard output", args.to.name);
+        };
+        print_bytes(bytes)?;
+        return Ok(Outcome::Done);
+    };
+    let joins = main == usual && is_document_of(&args.topology, &folder) && document.is_sealed();
+    let mut files = OutputSet::new(if joins { Existing::ReplaceResult } else { Existing::ReplaceOurs });
+    let maps =
+        map.iter().flat_map(|map| &map.files).chain(&args.masks).chain(std::iter::once(&args.topology));
+    files.keep_inputs(&maps.cloned().collect::<Vec<_>>(), args.force);
+    for (name, bytes) in exported {
         files.add(name, bytes);
     }
-    files.commit(folder)?;
+    if joins {
+        join(&mut files, document, args.to)?;
+    }
+    files.commit(&folder)?;
     Ok(Outcome::Done)
+}
+
+fn is_document_of(path: &Path, folder: &Path) -> bool {
+    same_file::is_same_file(path, folder.join(DOCUMENT)).unwrap_or(false)
+}
+
+/// Adds the document that has the files of `format` too: they belong to the result beside which they will lie.
+fn join(files: &mut OutputSet, mut document: TopologyDocument, format: &Format) -> Result<()> {
+    let is_replaced = |file: &FileRecord| files.files().any(|(name, _)| name == file.name);
+    let kept: Vec<FileRecord> = document.files.iter().filter(|file| !is_replaced(file)).cloned().collect();
+    let option = export_option(format.name);
+    if !document.program.options.contains(&option) {
+        document.program.options.push(option);
+    }
+    document.skipped.retain(|skipped| skipped.format != format.name);
+    seal(files, &mut document, kept)
 }

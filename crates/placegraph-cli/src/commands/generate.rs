@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::{Outcome, plans};
 use crate::args::{GenerateArgs, MappingArg, StyleArg};
-use crate::output::{OutputSet, complain};
+use crate::output::{Existing, OutputSet, complain};
 
 /// Makes every building in a folder of its own.
 pub(crate) fn run(args: &GenerateArgs) -> Result<Outcome> {
@@ -53,7 +53,7 @@ fn write_all(
                 return Ok(1);
             }
         };
-        let mut set = OutputSet::default();
+        let mut set = OutputSet::new(Existing::Replace);
         for (name, bytes) in files(&building)? {
             set.add(name, bytes);
         }

@@ -15,6 +15,7 @@ pub(crate) mod route;
 pub(crate) mod scan;
 pub(crate) mod shell;
 pub(crate) mod train;
+pub(crate) mod verify;
 
 /// How a command ended that could do its work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

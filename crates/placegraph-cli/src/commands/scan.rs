@@ -33,7 +33,7 @@ pub(crate) fn run(args: &ScanArgs) -> Result<Outcome> {
     let values = features::of_scan(&scan, &columns);
     let named = columns.iter().map(|id| &id.feature().name).zip(&values);
     if let Some(path) = &args.output {
-        write_file(path, &scan_png(&map.grid, cell, &scan))?;
+        write_file(path, &scan_png(&map.grid, cell, &scan), &map.files)?;
     }
     if args.json {
         let features: serde_json::Map<String, serde_json::Value> =

@@ -26,8 +26,13 @@ const BEST_FEATURES: usize = 12;
 pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
     let (entries, label_set, coding) = what_to_train_on(args)?;
     let options = read::options(&args.read);
-    let maps =
-        entries.iter().map(|entry| labeled_map(entry, &coding, &options)).collect::<Result<Vec<_>>>()?;
+    let mut maps = Vec::new();
+    let mut inputs: Vec<PathBuf> = args.manifest.iter().cloned().collect();
+    for entry in &entries {
+        let (map, files) = read_entry(entry, &coding, &options)?;
+        maps.push(map);
+        inputs.extend(files);
+    }
     let watch = Watch::start("training");
     let (model, report) = match args.method {
         MethodArg::Boosted => {
@@ -42,7 +47,7 @@ pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
         }
     };
     let timings = watch.finish();
-    write_file(&args.output, &model.to_json())?;
+    write_file(&args.output, &model.to_json(), &inputs)?;
     if verbose {
         for (stage, time) in timings {
             complain(&format!("{:<10} {:>8.1} ms", stage.name(), time.as_secs_f64() * 1e3));
@@ -97,8 +102,12 @@ pub(super) struct Entry {
     pub(super) crop: Option<[u32; 4]>,
 }
 
-/// Reads a map and its labels.
-pub(super) fn labeled_map(entry: &Entry, coding: &LabelCoding, options: &ReadOptions) -> Result<LabeledMap> {
+/// Reads a map and its labels; also returns the files that they were read from.
+fn read_entry(
+    entry: &Entry,
+    coding: &LabelCoding,
+    options: &ReadOptions,
+) -> Result<(LabeledMap, Vec<PathBuf>)> {
     let map = read::load(&entry.map, options)?;
     let size = (map.grid.cells.width(), map.grid.cells.height());
     let in_labels = || format!("in the labels {}", entry.labels.display());
@@ -106,7 +115,8 @@ pub(super) fn labeled_map(entry: &Entry, coding: &LabelCoding, options: &ReadOpt
     let labels = import::read_labels(&bytes, size, coding).with_context(in_labels)?;
     let window =
         entry.crop.map(|crop| window(crop, &map.grid)).transpose().with_context(|| map.name.clone())?;
-    Ok(LabeledMap {
+    let files = map.files.into_iter().chain([entry.labels.clone()]).collect();
+    let map = LabeledMap {
         name: map.name,
         grid: map.grid,
         labels: labels.map(|cell| match cell {
@@ -114,7 +124,8 @@ pub(super) fn labeled_map(entry: &Entry, coding: &LabelCoding, options: &ReadOpt
             LabelCell::None | LabelCell::Ignore => None,
         }),
         window,
-    })
+    };
+    Ok((map, files))
 }
 
 /// Pixels, y down, to cells, y up.

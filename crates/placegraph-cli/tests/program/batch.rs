@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use crate::running::{json, names, placegraph, start_batch, stderr};
+use crate::running::{self, json, names, placegraph, start_batch, stderr};
 use tempfile::TempDir;
 
 /// A room of `columns` x 40 cells behind a doorway, with walls all around.
@@ -82,11 +82,23 @@ fn a_batch_tables_what_worked_and_what_did_not_and_resumes() {
     let output = run(&[]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert_eq!(stderr(&output).lines().count(), 3, "a line per map: {}", stderr(&output));
-    assert_eq!(names(&out), ["a", "c", "summary.csv"]);
+    assert_eq!(names(&out), ["a", "c", "summary.csv", "summary.jsonl"]);
     let (header, rows) = table(&out);
     assert_eq!(
         header,
-        ["map", "status", "error", "corridor", "room", "doorway", "connections", "area_m2", "seconds"]
+        [
+            "map",
+            "status",
+            "error",
+            "corridor",
+            "room",
+            "doorway",
+            "connections",
+            "area_m2",
+            "seconds",
+            "folder",
+            "findings"
+        ]
     );
     assert!(rows["b"][2].contains("image"), "{rows:?}");
     let document = json(&out.join("a/topology.json"));
@@ -100,10 +112,12 @@ fn a_batch_tables_what_worked_and_what_did_not_and_resumes() {
     assert!((rows["a"][7].parse::<f64>().unwrap() - area).abs() < 1e-3);
     assert!(rows["a"][8].parse::<f64>().unwrap() > 0.0);
 
-    // The second map is put right; what a killed run leaves behind: no document, an unfinished folder.
+    // The second map is put right; of the third, an unfinished first run was killed before its first file.
     write_map(folder.path(), "b", 30);
-    fs::remove_file(out.join("c/topology.json")).unwrap();
-    fs::create_dir(out.join("c/.placegraph-left")).unwrap();
+    for name in names(&out.join("c")) {
+        fs::remove_file(out.join("c").join(name)).unwrap();
+    }
+    fs::create_dir(out.join("c/.placegraph-unfinished-123456")).unwrap();
     let written = fs::metadata(out.join("a/topology.json")).unwrap().modified().unwrap();
     let output = run(&["--resume"]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
@@ -118,11 +132,33 @@ fn a_batch_tables_what_worked_and_what_did_not_and_resumes() {
     fs::remove_file(out.join("b/overview.png")).unwrap();
     assert_eq!(run(&["--resume"]).status.code(), Some(0));
     assert_eq!(statuses(&out), expected(&[("a", "labeled"), ("b", "labeled"), ("c", "kept")]));
+    let all = |status: &'static str| expected(&[("a", status), ("b", status), ("c", status)]);
     assert_eq!(run(&["--resume", "--export", "graphml,tmap2"]).status.code(), Some(0));
-    assert_eq!(statuses(&out), expected(&[("a", "labeled"), ("b", "labeled"), ("c", "labeled")]));
+    assert_eq!(statuses(&out), all("extended"), "made from the document");
     assert_eq!(run(&["--resume", "--export", "tmap2,graphml"]).status.code(), Some(0));
-    assert_eq!(statuses(&out), expected(&[("a", "kept"), ("b", "kept"), ("c", "kept")]));
+    assert_eq!(statuses(&out), all("kept"));
     assert!(out.join("c/c.tmap2.yaml").exists());
+    // As if labeled with them at once.
+    let again = folder.path().join("again");
+    let with_formats: [&dyn AsRef<std::ffi::OsStr>; 4] = [&"map", &"--export", &"graphml,tmap2", &"--out"];
+    let paths: [&dyn AsRef<std::ffi::OsStr>; 4] = [&again, &maps[0], &maps[1], &maps[2]];
+    assert_eq!(placegraph(&[&with_formats[..], &paths[..]].concat()).status.code(), Some(0));
+    for name in names(&again.join("c")) {
+        let [one, other] = [&out, &again].map(|out| fs::read(out.join("c").join(&name)).unwrap());
+        assert!(one == other || name == "topology.json", "{name}");
+    }
+    let [one, other] = [&out, &again].map(|out| json(&out.join("c/topology.json"))["sha256"].clone());
+    assert_eq!(one, other, "all but the times is the same");
+    // One format goes, one comes.
+    assert_eq!(run(&["--resume", "--export", "graphml,dot"]).status.code(), Some(0));
+    assert_eq!(statuses(&out), all("extended"));
+    assert!(!out.join("c/c.tmap2.yaml").exists() && out.join("c/graph.dot").exists());
+    // A report shows cells and probabilities, which only labeling has.
+    assert_eq!(run(&["--resume", "--export", "report"]).status.code(), Some(0));
+    assert_eq!(statuses(&out), all("labeled"));
+    assert!(!out.join("c/graph.dot").exists() && out.join("c/report.html").exists());
+    assert_eq!(run(&["--resume", "--export", "report", "--no-doorways"]).status.code(), Some(0));
+    assert_eq!(statuses(&out), all("labeled"), "an option that adds no file");
 }
 
 #[test]
@@ -131,14 +167,21 @@ fn a_killed_run_is_taken_up_where_it_ended() {
     let out = folder.path().join("out");
     let maps: Vec<PathBuf> =
         ["a", "b", "c", "d", "e"].iter().map(|name| write_map(folder.path(), name, 60)).collect();
-    let first = out.join("a/topology.json");
+    let n_rows = || fs::read_to_string(out.join("summary.jsonl")).map_or(0, |text| text.lines().count());
     let mut run = start_batch(&maps, &out);
-    while !first.exists() && run.try_wait().unwrap().is_none() {
+    while n_rows() == 0 && run.try_wait().unwrap().is_none() {
         thread::sleep(Duration::from_millis(2));
     }
     run.kill().unwrap();
     run.wait().unwrap();
-    assert!(!out.join("summary.csv").exists(), "the table comes at the end");
+    // The table has what was done so far, and a line of JSON each.
+    let (_, rows) = table(&out);
+    assert!((1..=maps.len()).contains(&rows.len()), "{rows:?}");
+    assert_eq!(rows["a"][1], "labeled");
+    let lines = fs::read_to_string(out.join("summary.jsonl")).unwrap();
+    let first: serde_json::Value = serde_json::from_str(lines.lines().next().unwrap()).unwrap();
+    assert_eq!((&first["status"], &first["folder"]), (&"labeled".into(), &"a".into()));
+    assert!(first["places"]["room"].as_u64().is_some(), "{first}");
 
     let mut args: Vec<&dyn AsRef<std::ffi::OsStr>> = vec![&"map", &"--resume", &"--out", &out];
     args.extend(maps.iter().map(|map| map as &dyn AsRef<std::ffi::OsStr>));
@@ -173,7 +216,7 @@ fn all_files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
             files.extend(
                 all_files(&path).into_iter().map(|(below, bytes)| (Path::new(&name).join(below), bytes)),
             );
-        } else if name != "summary.csv" {
+        } else if !name.starts_with("summary.") {
             files.insert(name.into(), fs::read(&path).unwrap());
         }
     }
@@ -201,4 +244,165 @@ fn with_a_fixed_time_neither_order_nor_threads_nor_company_change_a_byte() {
     maps.reverse();
     assert!(run(&maps, "4") == expected);
     assert!(run(&maps[..2], "2").iter().all(|(name, bytes)| expected[name] == *bytes));
+}
+
+/// Runs a batch and returns the status of every map.
+fn resumed(out: &Path, maps: &[PathBuf], options: &[&str]) -> Vec<(String, String)> {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
+    let output =
+        command.arg("map").args(maps).args(options).args(["--resume", "--out"]).arg(out).output().unwrap();
+    assert!(output.status.success(), "{}", stderr(&output));
+    statuses(out)
+}
+
+#[test]
+fn a_damaged_result_is_made_again() {
+    let folder = TempDir::new().unwrap();
+    let (out, fresh) = (folder.path().join("out"), folder.path().join("fresh"));
+    let maps = [write_map(folder.path(), "a", 20), write_map(folder.path(), "b", 20)];
+    let status = |options: &[&str]| resumed(&out, &maps, options)[0].1.clone();
+    resumed(&fresh, &maps, &["--export", "svg"]);
+    assert_eq!(status(&["--export", "svg"]), "labeled");
+    let whole = all_files(&fresh.join("a"));
+    let is_whole = || {
+        let found = all_files(&out.join("a"));
+        found.keys().eq(whole.keys())
+            && found.iter().all(|(name, bytes)| name.ends_with("topology.json") || *bytes == whole[name])
+    };
+    for name in whole.keys() {
+        let path = out.join("a").join(name);
+        let bytes = fs::read(&path).unwrap();
+        let mut flipped = bytes.clone();
+        flipped[bytes.len() / 2] ^= 4;
+        let mut damages = vec![bytes[..bytes.len() / 2].to_vec(), flipped];
+        // Of an empty document nobody knows whose it is.
+        damages.extend((!name.ends_with("topology.json")).then(Vec::new));
+        for damage in damages {
+            assert_eq!(status(&["--export", "svg"]), "kept", "{}", name.display());
+            fs::write(&path, &damage).unwrap();
+            assert_eq!(
+                status(&["--export", "svg"]),
+                "labeled",
+                "{} of {} bytes",
+                name.display(),
+                damage.len()
+            );
+            assert!(is_whole(), "{}", name.display());
+        }
+    }
+    // A name that was changed by hand.
+    let path = out.join("a/topology.json");
+    let text = fs::read_to_string(&path).unwrap();
+    let renamed = text.replacen("room 1", "salon", 1);
+    assert_ne!(text, renamed);
+    fs::write(&path, renamed).unwrap();
+    assert_eq!(status(&["--export", "svg"]), "labeled");
+}
+
+#[test]
+fn edits_and_earlier_results_of_a_fleet_are_found_and_compared() {
+    let folder = TempDir::new().unwrap();
+    let (sites, out) = (folder.path().join("sites"), folder.path().join("out"));
+    for site in ["north", "south"] {
+        fs::create_dir_all(sites.join(site)).unwrap();
+        write_map(&sites.join(site), "map", 30);
+    }
+    let edits = sites.join("north/edits.toml");
+    let rename = |name: &str| format!("[[edit]]\naction = 'rename'\nat = [7.0, 2.0]\nname = '{name}'\n");
+    fs::write(&edits, rename("kitchen")).unwrap();
+    let run = |out: &Path, options: &[&str]| -> Vec<(String, String)> {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
+        let output = command.arg("map").arg(&sites).args(options).arg("--out").arg(out).output().unwrap();
+        assert!(output.status.success(), "{}", stderr(&output));
+        let text = fs::read_to_string(out.join("summary.jsonl")).unwrap();
+        let row = |line: &str| -> (String, String) {
+            let row: serde_json::Value = serde_json::from_str(line).unwrap();
+            (row["folder"].as_str().unwrap().to_owned(), row["status"].as_str().unwrap().to_owned())
+        };
+        text.lines().map(row).collect()
+    };
+    let named = |out: &Path, site: &str, name: &str| {
+        let document = json(&out.join(site).join("topology.json"));
+        document["places"].as_array().unwrap().iter().any(|place| place["name"] == name)
+    };
+    let both = |north: &str, south: &str| expected(&[("north", north), ("south", south)]);
+    let fleet = ["--edits", "edits.toml", "--resume"];
+    assert_eq!(run(&out, &fleet), both("labeled", "labeled"));
+    assert!(named(&out, "north", "kitchen") && !named(&out, "south", "kitchen"));
+    assert_eq!(json(&out.join("south/topology.json"))["map"]["name"], "south");
+    assert_eq!(run(&out, &fleet), both("kept", "kept"));
+    // Other edits, of the same length: only that site.
+    fs::write(&edits, rename("pantry!")).unwrap();
+    assert_eq!(run(&out, &fleet), both("labeled", "kept"));
+    assert!(named(&out, "north", "pantry!"));
+
+    // The next night, into the same folder: the names last without the edits, and nothing is done twice.
+    let nightly = ["--resume", "--previous", out.to_str().unwrap()];
+    fs::remove_file(&edits).unwrap();
+    assert_eq!(run(&out, &nightly), both("labeled", "kept"), "an option of one site is gone");
+    assert!(named(&out, "north", "pantry!"));
+    assert_eq!(run(&out, &nightly), both("kept", "kept"));
+    write_map(&sites.join("south"), "map", 31);
+    assert_eq!(run(&out, &nightly), both("kept", "labeled"));
+    // Into another folder; a new site has no earlier result.
+    fs::create_dir(sites.join("west")).unwrap();
+    write_map(&sites.join("west"), "map", 32);
+    let next = folder.path().join("next");
+    let rows = run(&next, &nightly);
+    assert_eq!(rows, expected(&[("north", "labeled"), ("south", "labeled"), ("west", "labeled")]));
+    assert!(named(&next, "north", "pantry!"));
+    assert_eq!(run(&next, &nightly), expected(&[("north", "kept"), ("south", "kept"), ("west", "kept")]));
+}
+
+#[test]
+fn edits_beside_two_maps_belong_to_one_of_them() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let maps = [write_map(folder.path(), "up", 20), write_map(folder.path(), "down", 20)];
+    let edit = "[[edit]]\naction = 'rename'\nat = [7.0, 2.0]\nname = 'attic'\n";
+    fs::write(folder.path().join("edits.toml"), edit).unwrap();
+    let args: [&dyn AsRef<std::ffi::OsStr>; 7] =
+        [&"map", &maps[0], &maps[1], &"--edits", &"edits.toml", &"--out", &out];
+    let output = placegraph(&args);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("beside 2 maps") && stderr(&output).contains("up.edits.toml"));
+    fs::rename(folder.path().join("edits.toml"), folder.path().join("up.edits.toml")).unwrap();
+    assert_eq!(placegraph(&args).status.code(), Some(0));
+    let has_attic =
+        |map: &str| fs::read_to_string(out.join(map).join("topology.json")).unwrap().contains("attic");
+    assert!(has_attic("up") && !has_attic("down"));
+    let elsewhere =
+        [&args[..4], &[&folder.path().join("up.edits.toml") as &dyn AsRef<std::ffi::OsStr>], &args[5..]];
+    running::refused(&elsewhere.concat(), &["beside each map"]);
+}
+
+#[test]
+fn warnings_and_errors_are_told_line_by_line_and_in_the_table() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let maps = [write_map(folder.path(), "good", 20), write_map(folder.path(), "blind", 20)];
+    let yaml = fs::read_to_string(&maps[1]).unwrap();
+    fs::write(&maps[1], yaml.replace("negate: 0", "negate: 1")).unwrap();
+    // Negated, walls alone are free: warnings, and perhaps nothing to label.
+    let output = placegraph(&[&"map", &maps[0], &maps[1], &"--out", &out]);
+    let (header, rows) = table(&out);
+    let findings = header.iter().position(|name| name == "findings").unwrap();
+    assert!(!rows["blind"][findings].is_empty(), "{rows:?}");
+    let line = stderr(&output).lines().find(|line| line.contains("blind.yaml")).unwrap().to_owned();
+    assert!(line.contains(rows["blind"][findings].split(';').next().unwrap()), "{line}");
+
+    // Nothing is free: an error, status 1 in every way to ask.
+    fs::write(folder.path().join("blind.pgm"), format!("P2\n4 4\n255\n{}\n", "0 ".repeat(16))).unwrap();
+    fs::write(&maps[1], yaml).unwrap();
+    let output = placegraph(&[&"map", &maps[0], &maps[1], &"--out", &out]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    let (_, rows) = table(&out);
+    assert_eq!(rows["blind"][1], "labeled");
+    assert!(rows["blind"][2].contains("free") && rows["good"][2].is_empty(), "{rows:?}");
+    assert_eq!(placegraph(&[&"info", &maps[1]]).status.code(), Some(1));
+    assert_eq!(placegraph(&[&"map", &maps[1], &"--out", &folder.path().join("one")]).status.code(), Some(1));
+    // Kept, it still is.
+    let again = placegraph(&[&"map", &maps[0], &maps[1], &"--resume", &"--out", &out]);
+    assert_eq!(again.status.code(), Some(1), "{}", stderr(&again));
+    assert!(table(&out).1["blind"][2].contains("free"));
 }

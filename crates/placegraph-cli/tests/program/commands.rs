@@ -33,7 +33,7 @@ fn several_maps_get_a_folder_each_and_one_that_fails_stops_nobody() {
     ]);
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert!(stderr(&output).contains("missing.yaml"));
-    assert_eq!(names(&out.path().join("all")), ["home", "office", "summary.csv"]);
+    assert_eq!(names(&out.path().join("all")), ["home", "office", "summary.csv", "summary.jsonl"]);
 }
 
 #[test]

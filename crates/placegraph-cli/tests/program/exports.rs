@@ -107,7 +107,7 @@ fn a_format_that_cannot_hold_a_map_is_skipped_and_told() {
     let many = [&map[..2], &[&office as &dyn AsRef<std::ffi::OsStr>], &map[4..], &[&"--out", &both]].concat();
     let many = [&many[..], &[&"--resolution", &"0.1"]].concat();
     assert_eq!(placegraph(&many).status.code(), Some(1));
-    assert!(both.join("map/route_graph.geojson").exists());
+    assert!(both.join("office/route_graph.geojson").exists());
     let table = fs::read_to_string(both.join("summary.csv")).unwrap();
     assert!(table.contains("labeled") && table.contains("nav2 is skipped"), "{table}");
     let again = placegraph(&[&many[..], &[&"--resume"]].concat());
@@ -281,7 +281,7 @@ fn numbers_and_names_last_and_the_region_image_follows() {
     assert!(changes.starts_with("appeared: "), "{changes}");
     refused(
         &[&"map", &home(), &shipped("office/map.yaml"), &"--out", &folder, &"--previous", &previous],
-        &["one map"],
+        &["the folder of an earlier run"],
     );
 }
 

@@ -225,23 +225,29 @@ impl Drop for SmallDisk {
 
 #[test]
 fn a_full_disk_leaves_what_was_there() {
-    let Some(disk) = SmallDisk::mount("size=48k") else { return };
+    let Some(disk) = SmallDisk::mount("size=160k") else { return };
     let out = disk.0.path().join("out");
     let map = shipped("home/map.yaml");
     let args: Args<'_> = vec![&"map", &map, &"--out", &out];
     refused(&args, &["No space left on device", "out"]);
     assert!(!out.exists(), "nothing is left of a folder made for nothing");
-    fs::create_dir(&out).unwrap();
-    fs::write(out.join("labels.png"), "mine").unwrap();
+    // An older result, whole, stays whole.
+    let maps = TempDir::new().unwrap();
+    let small = small_maps(maps.path(), 2);
+    let older: Args<'_> = vec![&"map", &small[0], &"--resolution", &"0.1", &"--out", &out];
+    done(&older);
+    let before = content(&out);
+    assert!(before.len() > 5);
     refused(&args, &["No space left on device"]);
-    assert_eq!(names(&out), ["labels.png"]);
-    assert_eq!(fs::read_to_string(out.join("labels.png")).unwrap(), "mine");
+    assert_eq!(content(&out), before);
+    assert_eq!(hidden(&out), [""; 0]);
+    done(&[&"verify", &out]);
+    fs::remove_dir_all(&out).unwrap();
     // A batch tells the map that failed and goes on; its table may find room.
-    let maps = small_maps(disk.0.path(), 2);
-    let batch = placegraph(&[&"map", &map, &maps[0], &maps[1], &"--resolution", &"0.1", &"--out", &out]);
+    let batch = placegraph(&[&"map", &map, &small[0], &small[1], &"--resolution", &"0.1", &"--out", &out]);
     assert!(matches!(batch.status.code(), Some(1 | 2)), "{}", stderr(&batch));
     assert!(stderr(&batch).contains("No space left on device"), "{}", stderr(&batch));
-    assert!(!out.join("map").exists());
+    assert!(!out.join("home/topology.json").exists());
 }
 
 #[test]

@@ -17,5 +17,6 @@ mod names_last;
 mod plans;
 mod readers;
 mod running;
+mod safety;
 #[cfg(target_os = "linux")]
 mod soak;

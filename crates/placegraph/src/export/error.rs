@@ -41,6 +41,12 @@ pub enum ExportError {
         /// The classes that there are.
         known: Vec<String>,
     },
+    /// A mask file gives a value to a place that the map does not have.
+    #[error("the mask file gives a value to {found:?}, and the map has no place of this name")]
+    UnknownPlace {
+        /// The name found.
+        found: String,
+    },
     /// The main file of a format of several files has another ending.
     #[error("expected a name that ends in .yaml for a mask's map file, found {found:?}")]
     MainName {

@@ -212,7 +212,48 @@ impl Format {
     pub fn write(&self, export: &Export<'_>, main: &str) -> Result<Vec<(String, Vec<u8>)>, ExportError> {
         let names = self.file_names(main)?;
         let contents = (self.write)(export, &names)?;
-        Ok(names.into_iter().zip(contents).collect())
+        let stamp = export.stamp();
+        let usual_ending = self.file.rsplit('.').next().unwrap_or_default();
+        let endings = std::iter::once(usual_ending)
+            .chain(self.companions.iter().map(|ending| ending.rsplit('.').next().unwrap_or_default()));
+        let stamped =
+            contents.into_iter().zip(endings).map(|(bytes, ending)| with_stamp(bytes, ending, &stamp));
+        Ok(names.into_iter().zip(stamped).collect())
+    }
+}
+
+/// How the stamp begins that exported files bear where their format has room for a remark.
+const STAMP: &str = "written by placegraph";
+
+/// Whether a file that begins with `head` says that it was exported by this program. Pictures bear no stamp.
+pub fn is_stamped(head: &[u8]) -> bool {
+    head.windows(STAMP.len()).any(|bytes| bytes == STAMP.as_bytes())
+}
+
+/// The hash of the map that a file which begins with `head` was exported from, if it says so.
+pub fn stamped_map(head: &[u8]) -> Option<String> {
+    let text = String::from_utf8_lossy(head);
+    let (_, stamp) = text.split_once(STAMP)?;
+    let (_, hash) = stamp.split_once("; map sha256:")?;
+    Some(hash.chars().take_while(char::is_ascii_alphanumeric).collect())
+}
+
+/// The content of a file with `ending` with a remark at its beginning.
+fn with_stamp(bytes: Vec<u8>, ending: &str, stamp: &str) -> Vec<u8> {
+    /// Behind the first `mark`, or in front of all.
+    fn behind(bytes: &[u8], mark: &[u8], remark: &str) -> Vec<u8> {
+        let found = bytes.windows(mark.len()).position(|window| window == mark);
+        let at = found.map_or(0, |start| start + mark.len());
+        [&bytes[..at], remark.as_bytes(), &bytes[at..]].concat()
+    }
+    match ending {
+        "yaml" => [format!("# {stamp}\n").as_bytes(), &bytes].concat(),
+        "dot" => [format!("// {stamp}\n").as_bytes(), &bytes].concat(),
+        "graphml" | "svg" => behind(&bytes, b"?>", &format!("<!-- {stamp} -->")),
+        "html" => behind(&bytes, b"<!doctype html>", &format!("<!-- {stamp} -->")),
+        // A member that GeoJSON does not know.
+        "geojson" => behind(&bytes, b"{", &format!("\"written_by\":\"{stamp}\",")),
+        _ => bytes,
     }
 }
 
@@ -269,6 +310,16 @@ impl<'a> Export<'a> {
             georeference: None,
             written: Duration::ZERO,
         })
+    }
+
+    /// What made the files and from what, in letters that no format takes for syntax.
+    fn stamp(&self) -> String {
+        let plain =
+            |text: &str| text.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '.').collect::<String>();
+        let TopologyDocument { program, map, model, .. } = self.document;
+        let model = model.as_ref().map(|model| format!("; model sha256:{}", plain(&model.hash)));
+        let (version, map) = (plain(&program.version), plain(&map.hash));
+        format!("{STAMP} {version}; map sha256:{map}{}", model.unwrap_or_default())
     }
 
     fn frame_id(&self) -> &str {
@@ -372,6 +423,24 @@ mod tests {
         assert_eq!(names("nav2-speed", "slow.yaml").unwrap(), ["slow.yaml", "slow.png", "slow_params.yaml"]);
         assert!(names("nav2-speed", "slow.png").is_err());
         assert_eq!(names("svg", "any.thing").unwrap(), ["any.thing"]);
+    }
+
+    #[test]
+    fn a_stamp_stands_where_a_format_has_room_for_remarks() {
+        let stamped = |text: &str, ending| String::from_utf8(with_stamp(text.into(), ending, "S")).unwrap();
+        assert_eq!(stamped("a: 1\n", "yaml"), "# S\na: 1\n");
+        assert_eq!(stamped("graph {}", "dot"), "// S\ngraph {}");
+        assert_eq!(
+            stamped("<?xml version=\"1.0\"?><svg/>", "svg"),
+            "<?xml version=\"1.0\"?><!-- S --><svg/>"
+        );
+        assert_eq!(stamped("<svg/>", "svg"), "<!-- S --><svg/>");
+        assert_eq!(stamped("{\"type\":1}", "geojson"), "{\"written_by\":\"S\",\"type\":1}");
+        assert_eq!(stamped("PNG", "png"), "PNG");
+        let stamp = b"# written by placegraph 0.1.0; map sha256:12ab; model sha256:34cd";
+        assert_eq!(stamped_map(stamp).as_deref(), Some("12ab"));
+        assert_eq!(stamped_map(b"map sha256:12ab"), None);
+        assert!(is_stamped(b"<!-- written by placegraph 0.1.0 -->") && !is_stamped(b"see placegraph"));
     }
 
     #[test]

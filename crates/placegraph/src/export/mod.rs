@@ -30,7 +30,7 @@ pub use crate::document::{
 };
 pub use dot::dot;
 pub use error::ExportError;
-pub use formats::{Export, FORMATS, Format, MAP, formats_markdown};
+pub use formats::{Export, FORMATS, Format, MAP, formats_markdown, is_stamped, stamped_map};
 pub use geojson::{Georeference, regions_geojson};
 pub use graphml::graphml;
 pub use mask_settings::MaskSettings;

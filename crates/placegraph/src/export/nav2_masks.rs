@@ -70,7 +70,12 @@ impl ValueOf {
         self.place.get(&place.name).or_else(|| self.class.get(&place.class)).copied()
     }
 
-    fn check(&self, min: f64, max: f64) -> Result<(), ExportError> {
+    /// Values for places that the map does not have would silently have no effect.
+    fn check(&self, map: &TopologicalMap, min: f64, max: f64) -> Result<(), ExportError> {
+        let is_place = |name: &String| map.places.iter().any(|place| place.name == *name);
+        if let Some(found) = self.place.keys().find(|name| !is_place(name)) {
+            return Err(ExportError::UnknownPlace { found: found.clone() });
+        }
         for (subject, &found) in self.class.iter().chain(&self.place) {
             if !(min..=max).contains(&found) {
                 return Err(ExportError::Value { subject: subject.clone(), min, max, found });
@@ -94,6 +99,18 @@ impl Default for Keepout {
     /// Places are free, everything else is forbidden.
     fn default() -> Self {
         Self { cost: ValueOf::default(), elsewhere: 100 }
+    }
+}
+
+impl Keepout {
+    fn check(&self, map: &TopologicalMap) -> Result<(), ExportError> {
+        let (min, max) = (0.0, 100.0);
+        self.cost.check(map, min, max)?;
+        if self.elsewhere > 100 {
+            let (subject, found) = ("elsewhere".to_owned(), self.elsewhere.into());
+            return Err(ExportError::Value { subject, min, max, found });
+        }
+        Ok(())
     }
 }
 
@@ -138,14 +155,15 @@ pub enum ZonePer {
 /// The keep-out mask (filter type 0).
 ///
 /// # Errors
-/// If the map is rotated and that is refused, or a cost is not in 0 to 100.
+/// If the map is rotated and that is refused, a cost is not in 0 to 100, or one is given to a place that the map does
+/// not have.
 pub fn keepout_mask(
     map: &TopologicalMap,
     sheet: &MaskSheet,
     keepout: &Keepout,
 ) -> Result<MaskFiles, ExportError> {
-    keepout.cost.check(0.0, 100.0)?;
-    let elsewhere = keepout.elsewhere.min(100);
+    keepout.check(map)?;
+    let elsewhere = keepout.elsewhere;
     // What is cut off is closed unless the place itself is named.
     let paint = |place: &Place| match keepout.cost.place.get(&place.name) {
         None if place.cut_off => elsewhere,
@@ -158,7 +176,8 @@ pub fn keepout_mask(
 /// The speed mask (filter type 1 in percent, 2 in meters per second).
 ///
 /// # Errors
-/// If the map is rotated and that is refused, or a limit is not above 0 (and at most 100 in percent).
+/// If the map is rotated and that is refused, a limit is not above 0 (and at most 100 in percent), or one is given to
+/// a place that the map does not have.
 pub fn speed_mask(
     map: &TopologicalMap,
     sheet: &MaskSheet,
@@ -170,7 +189,7 @@ pub fn speed_mask(
             (limit, 2, limit.class.values().chain(limit.place.values()).copied().fold(0.01, f64::max))
         }
     };
-    limit.check(max / 100.0, max.min(MAX_SPEED_M_PER_S))?;
+    limit.check(map, max / 100.0, max.min(MAX_SPEED_M_PER_S))?;
     // A cell of 0 would be no limit at all.
     let paint =
         |place: &Place| limit.get(place).map_or(0, |value| (100.0 * value / max).round().max(1.0) as u8);
@@ -365,7 +384,7 @@ fn add_zones(plugin: &mut Parameters, zones: &[String]) {
 /// without an entry is left out. Holes cannot be expressed: what a place surrounds is covered as well.
 ///
 /// # Errors
-/// If a cost is not in 0 to 100.
+/// If a cost is not in 0 to 100, or one is given to a place that the map does not have.
 pub fn vector_shapes(
     map: &TopologicalMap,
     shape: &GridShape,
@@ -373,7 +392,7 @@ pub fn vector_shapes(
     keepout: &Keepout,
 ) -> Result<Vec<u8>, ExportError> {
     use serde_json::json;
-    keepout.cost.check(0.0, 100.0)?;
+    keepout.check(map)?;
     let mut parameters = json!({
         "map_topic": "vo_map",
         "global_frame_id": frame_id,

@@ -129,12 +129,24 @@ pub struct ReplacedImage {
 pub struct LoadedMap {
     /// The map.
     pub grid: OccupancyGrid,
-    /// Name of the file without folder and extension; what cannot be printed of it is a low line.
+    /// [`map_name`] of the path.
     pub name: String,
     /// How it was read.
     pub source: Source,
     /// SHA-256 of the bytes read, the YAML's before the image's, in hexadecimal.
     pub hash: String,
+    /// The files that it was read from.
+    pub files: Vec<PathBuf>,
+}
+
+/// The name of the map at `path`: the file's, without extension; the folder's where the file is just called `map`, as
+/// map savers call it. What cannot be printed of it is a low line.
+pub fn map_name(path: &Path) -> String {
+    let stem = path.file_stem().unwrap_or_default();
+    let absolute = std::path::absolute(path).ok();
+    let folder = absolute.as_deref().and_then(Path::parent).and_then(Path::file_name);
+    let name = if stem == "map" { folder.unwrap_or(stem) } else { stem };
+    printable(&name.to_string_lossy())
 }
 
 /// Reads the map at `path`: a map_server YAML by its extension, else a CARMEN map (gzipped or not), a Valetudo map or an
@@ -154,6 +166,7 @@ fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
         file::read_cells(path, options.max_cells)?
     };
     let mut hash = Sha256::new_with_prefix(&bytes);
+    let mut files = vec![path.to_owned()];
     let (grid, source) = if is_yaml {
         let yaml = ros::parse_yaml(&bytes)?;
         let (image, replaced_image) = image_of(path, &yaml.image, options)?;
@@ -161,6 +174,7 @@ fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
         let image_bytes = file::read_cells(&image, options.max_cells).map_err(in_image)?;
         hash.update(&image_bytes);
         options.interpretation(yaml.interpretation).check_thresholds()?;
+        files.push(image.clone());
         let raster = image::decode(&image_bytes, options.max_cells).map_err(in_image)?;
         let (cells, source) = read_image(raster, Format::MapServer, yaml.interpretation, options);
         let source = Source { replaced_image, ..source };
@@ -175,9 +189,8 @@ fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
         let (cells, source) = read_image(raster, Format::Image, Interpretation::default(), options);
         (OccupancyGrid { frame: MapFrame::new(resolution_m, Pose2::default())?, cells }, source)
     };
-    let name = path.file_stem().map_or_else(String::new, |stem| printable(&stem.to_string_lossy()));
     let hash = hash.finalize().iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
-    Ok(LoadedMap { grid, name, source, hash })
+    Ok(LoadedMap { grid, name: map_name(path), source, hash, files })
 }
 
 /// The image that the YAML at `path` names. If it is not there, the one of its name beside the YAML, and which that is: maps

@@ -30,7 +30,7 @@ pub use error::has_memory;
 pub use file::{MAX_TEXT_BYTES, NamedFiles, named_file, namesake, read, read_cells};
 pub use finding::{Finding, Severity};
 pub use labels::{LabelCell, LabelCoding, LabelImageError, image_size, read_labels, read_rooms};
-pub use load::{Gray205, LoadedMap, ReadOptions, ReplacedImage, Source, load_map, read_image};
+pub use load::{Gray205, LoadedMap, ReadOptions, ReplacedImage, Source, load_map, map_name, read_image};
 pub use training_file::{TrainingFile, TrainingFileError, TrainingMap};
 
 use serde::Serialize;

@@ -13,7 +13,7 @@ use placegraph::import::{
 
 fn loaded(grid: OccupancyGrid) -> LoadedMap {
     let source = Source::new(Format::MapServer, Interpretation::default());
-    LoadedMap { grid, name: "map".into(), source, hash: String::new() }
+    LoadedMap { grid, name: "map".into(), source, hash: String::new(), files: Vec::new() }
 }
 
 /// A room of `width` × `height` free cells inside walls of one cell, in unknown space.

@@ -68,7 +68,18 @@ fn the_first_row_of_the_image_is_the_top_of_the_map() {
     assert_eq!(map.grid.cells[Cell::new(0, 0)], Occupancy::Unknown);
     assert_eq!(map.grid.cells.row(0)[1], Occupancy::Free);
     assert_eq!(map.grid.frame.map_from_grid(), Pose2::new(1.0, 2.0, 0.5));
-    assert_eq!((map.name.as_str(), map.source.format), ("map", Format::MapServer));
+    assert_eq!(map.source.format, Format::MapServer);
+}
+
+#[test]
+fn a_map_is_called_by_its_file_or_its_folder() {
+    let name = |path: &str| placegraph::import::map_name(std::path::Path::new(path));
+    assert_eq!(name("sites/office/map.yaml"), "office");
+    assert_eq!(name("sites/office/floor1.yaml"), "floor1");
+    assert_eq!(name("sites/map/other.pgm"), "other");
+    assert_eq!(name("/map.yaml"), "map");
+    let here = std::env::current_dir().unwrap();
+    assert_eq!(name("map.yaml"), here.file_name().unwrap().to_string_lossy());
 }
 
 #[test]

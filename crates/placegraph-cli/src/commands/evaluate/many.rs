@@ -70,7 +70,7 @@ pub(super) fn run(args: &EvaluateArgs, label_set: &LabelSet) -> Result<bool> {
     let rows: Vec<[Option<f64>; MEASURES.len()]> = reports.iter().map(measures).collect();
     let means = std::array::from_fn(|k| mean(rows.iter().filter_map(|row| row[k])));
     if let Some(path) = &args.csv {
-        write_file(path, csv(&names, &rows).as_bytes())?;
+        write_file(path, csv(&names, &rows).as_bytes(), &[])?;
     }
     let together = together(&judged, label_set);
     if args.json {

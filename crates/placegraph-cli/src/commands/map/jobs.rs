@@ -1,68 +1,275 @@
-//! Which maps a run labels, and where their results go.
+//! Which maps a run labels, what they are called and where their results go.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::path::{Component, Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
+use placegraph::import;
+
+use super::table;
+use crate::document::Beside;
 
 /// A map to be labeled.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Job {
     /// The map.
     pub(super) map: PathBuf,
-    /// The folder of its result.
-    pub(super) folder: PathBuf,
+    /// What it is called; by its path alone if `None`.
+    pub(super) name: Option<String>,
+    /// The folder of its result, relative to that of the run; empty for a single map.
+    pub(super) place: PathBuf,
 }
 
-/// One folder a map: `out` for a single map, else a folder in it by file stem, with the parent folder's name
-/// where stems repeat.
-pub(super) fn jobs(maps: &[PathBuf], out: &Path) -> Result<Vec<Job>> {
-    if let [map] = maps {
-        return Ok(vec![Job { map: map.clone(), folder: out.to_owned() }]);
+/// The maps of a run: those named by `paths`, and all in the folders that are named, for results in `out`.
+///
+/// A single map has its result in `out` itself. Others are called by their file, with as much of their path as tells
+/// them apart; those found in a folder by their path in it. A file that is just called `map` is called by
+/// its folder.
+pub(super) fn jobs(paths: &[PathBuf], out: &Path) -> Result<Vec<Job>> {
+    if let [map] = paths
+        && !map.is_dir()
+    {
+        return Ok(vec![Job { map: map.clone(), name: None, place: PathBuf::new() }]);
     }
-    let stem = |path: &Path| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-    let parent =
-        |path: &Path| path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-    let mut seen: BTreeMap<String, usize> = BTreeMap::new();
-    for map in maps {
-        *seen.entry(stem(map).context("expected the path of a map file")?).or_default() += 1;
+    let (folders, files): (Vec<&PathBuf>, Vec<&PathBuf>) = paths.iter().partition(|path| path.is_dir());
+    let mut named = told_apart(&files)?;
+    for folder in folders {
+        let found = maps_in(folder, out)?;
+        ensure!(!found.is_empty(), "expected maps in the folder {}, found none", folder.display());
+        let prefix = if paths.len() > 1 { folder_name(folder) } else { None };
+        for map in found {
+            let below = map.strip_prefix(folder).unwrap_or(&map);
+            let mut parts: Vec<OsString> = prefix.iter().cloned().collect();
+            parts.extend(below.parent().into_iter().flat_map(normal_parts));
+            parts.push(stem(&map)?);
+            if parts.len() == 1 && is_just_map(&parts[0]) {
+                parts = folder_name(folder).map_or(parts, |name| vec![name]);
+            }
+            named.push((map, without_map(parts)));
+        }
     }
-    let mut folders: BTreeMap<String, &Path> = BTreeMap::new();
-    maps.iter()
-        .map(|map| {
-            let own = stem(map).unwrap_or_default();
-            let name = if seen[&own] == 1 { own } else { parent(map).unwrap_or(own) };
-            if let Some(earlier) = folders.insert(name.clone(), map) {
+    let mut places: BTreeMap<PathBuf, PathBuf> = BTreeMap::new();
+    named
+        .into_iter()
+        .map(|(map, parts)| {
+            let place: PathBuf = parts.iter().collect();
+            if let Some(earlier) = places.insert(place.clone(), map.clone()) {
                 bail!(
                     "{} and {} would both be written to {}: label them in two runs",
                     earlier.display(),
                     map.display(),
-                    out.join(&name).display()
+                    out.join(&place).display()
                 );
             }
-            Ok(Job { map: map.clone(), folder: out.join(name) })
+            let is_table = |name: &&str| parts.first().is_some_and(|first| first == *name);
+            if let Some(name) = table::NAMES.iter().find(|name| is_table(name)) {
+                bail!(
+                    "the result of {} would take the name of the table {name}: rename the map",
+                    map.display()
+                );
+            }
+            let name = parts.iter().map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("-");
+            Ok(Job { map, name: Some(name), place })
         })
         .collect()
+}
+
+/// `files` with their names, each with as many folders above it as tell it apart from the others.
+fn told_apart(files: &[&PathBuf]) -> Result<Vec<(PathBuf, Vec<OsString>)>> {
+    let paths: Vec<Vec<OsString>> = files
+        .iter()
+        .map(|file| {
+            let absolute = std::path::absolute(file).with_context(|| format!("in {}", file.display()))?;
+            let mut parts: Vec<OsString> = absolute.parent().into_iter().flat_map(normal_parts).collect();
+            parts.push(stem(file)?);
+            Ok(parts)
+        })
+        .collect::<Result<_>>()?;
+    let name = |parts: &[OsString], n_folders: usize| {
+        let n_folders = n_folders.max(usize::from(parts.last().is_some_and(|stem| is_just_map(stem))));
+        without_map(parts[parts.len().saturating_sub(n_folders + 1)..].to_vec())
+    };
+    let mut n_folders = vec![0; files.len()];
+    loop {
+        let names: Vec<Vec<OsString>> =
+            paths.iter().zip(&n_folders).map(|(parts, &n)| name(parts, n)).collect();
+        let mut seen: BTreeMap<&[OsString], usize> = BTreeMap::new();
+        for name in &names {
+            *seen.entry(name).or_default() += 1;
+        }
+        let mut has_changed = false;
+        for (index, name) in names.iter().enumerate() {
+            if seen[name.as_slice()] > 1 && n_folders[index] + 1 < paths[index].len() {
+                n_folders[index] += 1;
+                has_changed = true;
+            }
+        }
+        if !has_changed {
+            return Ok(files.iter().map(|&file| file.clone()).zip(names).collect());
+        }
+    }
+}
+
+/// A file that map savers named tells nothing that its folder does not.
+fn without_map(mut parts: Vec<OsString>) -> Vec<OsString> {
+    if parts.len() > 1 && parts.last().is_some_and(|stem| is_just_map(stem)) {
+        parts.pop();
+    }
+    parts
+}
+
+fn is_just_map(stem: &OsStr) -> bool {
+    stem == "map"
+}
+
+/// The name of a map file without its extension, which is to be the name of a folder.
+fn stem(path: &Path) -> Result<OsString> {
+    let stem = path.file_stem().filter(|stem| !stem.is_empty() && *stem != "." && *stem != "..");
+    let stem = stem.with_context(|| {
+        format!("expected a map whose file name can name a folder for its result, found {}", path.display())
+    })?;
+    Ok(stem.to_owned())
+}
+
+fn normal_parts(path: &Path) -> impl Iterator<Item = OsString> {
+    path.components().filter_map(|part| match part {
+        Component::Normal(name) => Some(name.to_owned()),
+        _ => None,
+    })
+}
+
+fn folder_name(folder: &Path) -> Option<OsString> {
+    let absolute = std::path::absolute(folder).ok()?;
+    // `absolute` keeps `..`: its folder has another name.
+    let absolute = if absolute.file_name().is_none() { fs::canonicalize(&absolute).ok()? } else { absolute };
+    absolute.file_name().map(OsStr::to_owned)
+}
+
+/// All maps below `folder`, in the order of their paths: YAML files that name an image, CARMEN maps and
+/// maps of Valetudo. Hidden folders,
+/// links to folders and `out` are not looked into; files of results are no maps.
+fn maps_in(folder: &Path, out: &Path) -> Result<Vec<PathBuf>> {
+    let cannot_read = || format!("cannot read the folder {}", folder.display());
+    let mut entries: Vec<fs::DirEntry> =
+        fs::read_dir(folder).and_then(Iterator::collect).with_context(cannot_read)?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    let beside = Beside::of(folder);
+    let mut maps = Vec::new();
+    for entry in entries {
+        let (path, name) = (entry.path(), entry.file_name());
+        let is_hidden = name.to_string_lossy().starts_with('.');
+        let is_out = || same_file::is_same_file(&path, out).unwrap_or(false);
+        if entry.file_type().with_context(cannot_read)?.is_dir() {
+            if !is_hidden && !is_out() {
+                maps.extend(maps_in(&path, out)?);
+            }
+        } else if path.is_file() && !beside.vouches_for(&name.to_string_lossy()) && is_map(&path) {
+            maps.push(path);
+        }
+    }
+    Ok(maps)
+}
+
+/// Whether a file looks like a map, a damaged one too: what is wrong with it is told when it is read.
+fn is_map(path: &Path) -> bool {
+    let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
+    match extension.as_str() {
+        "yaml" | "yml" => import::read(path, import::MAX_TEXT_BYTES).is_ok_and(|bytes| {
+            let text = String::from_utf8_lossy(&bytes);
+            let has_key = |key: &str| {
+                text.lines().any(|line| line.starts_with(key)) || text.contains(&format!("\"{key}\""))
+            };
+            let keys = ["resolution", "origin", "occupied_thresh", "free_thresh", "negate"];
+            has_key("image") && keys.into_iter().any(has_key)
+        }),
+        "map" | "gz" | "json" => {
+            use std::io::Read;
+            let mut head = Vec::new();
+            let read = fs::File::open(path).and_then(|file| file.take(1 << 16).read_to_end(&mut head));
+            let is_valetudo =
+                || extension == "json" && String::from_utf8_lossy(&head).contains("ValetudoMap");
+            read.is_ok() && (import::carmen::is_carmen(&head) || is_valetudo())
+        }
+        _ => false,
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn folders(maps: &[&str]) -> Result<Vec<PathBuf>> {
-        let maps: Vec<PathBuf> = maps.iter().map(PathBuf::from).collect();
-        Ok(jobs(&maps, Path::new("out"))?.into_iter().map(|job| job.folder).collect())
+    fn places(paths: &[&str]) -> Result<Vec<PathBuf>> {
+        let paths: Vec<PathBuf> = paths.iter().map(PathBuf::from).collect();
+        Ok(jobs(&paths, Path::new("out"))?.into_iter().map(|job| job.place).collect())
     }
 
     #[test]
     fn one_map_takes_the_folder_itself_and_several_get_one_each() {
-        assert_eq!(folders(&["a/map.yaml"]).unwrap(), [Path::new("out")]);
-        assert_eq!(folders(&["a.yaml", "b.yaml"]).unwrap(), [Path::new("out/a"), Path::new("out/b")]);
+        assert_eq!(places(&["a/map.yaml"]).unwrap(), [Path::new("")]);
+        assert_eq!(places(&["a.yaml", "b.yaml"]).unwrap(), [Path::new("a"), Path::new("b")]);
+        assert_eq!(places(&["a/map.yaml", "floor.yaml"]).unwrap(), [Path::new("a"), Path::new("floor")]);
     }
 
     #[test]
-    fn parents_tell_apart_what_stems_do_not() {
-        assert_eq!(folders(&["a/map.yaml", "b/map.yaml"]).unwrap(), [Path::new("out/a"), Path::new("out/b")]);
-        assert!(folders(&["x/a/map.yaml", "y/a/map.yaml"]).is_err());
+    fn as_much_of_the_path_is_kept_as_tells_maps_apart() {
+        assert_eq!(places(&["a/map.yaml", "b/map.yaml"]).unwrap(), [Path::new("a"), Path::new("b")]);
+        let found = places(&["x/a/map.yaml", "y/a/map.yaml", "x/b/map.yaml"]).unwrap();
+        assert_eq!(found, [Path::new("x/a"), Path::new("y/a"), Path::new("b")]);
+        let found = places(&["x/floor1.yaml", "y/floor1.yaml", "x/floor2.yaml"]).unwrap();
+        assert_eq!(found, [Path::new("x/floor1"), Path::new("y/floor1"), Path::new("floor2")]);
+        // Of a map and a folder of one name, both are told.
+        assert!(places(&["x/a.yaml", "x/a.pgm"]).unwrap_err().to_string().contains("two runs"));
+    }
+
+    #[test]
+    fn no_name_leads_out_of_the_folder_or_takes_that_of_the_table() {
+        for bad in ["b/...yaml", "..yaml", "...yaml"] {
+            assert!(places(&["a.yaml", bad]).is_err(), "{bad}");
+        }
+        assert!(places(&["a.yaml", "summary.csv.yaml"]).unwrap_err().to_string().contains("summary.csv"));
+        for place in places(&["a/../x/map.yaml", "b/../y/map.yaml"]).unwrap() {
+            assert!(place.components().all(|part| matches!(part, Component::Normal(_))), "{place:?}");
+        }
+    }
+
+    #[test]
+    fn folders_are_searched_for_maps() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, text).unwrap();
+        };
+        let map = "image: map.pgm\nresolution: 0.05\n";
+        for name in
+            ["site/a/map.yaml", "site/b/map.yaml", "site/b/up.yml", "site/map.yaml", "site/.old/map.yaml"]
+        {
+            write(name, map);
+        }
+        write("site/out/c/map.yaml", map);
+        write("site/json.yaml", "{\"image\": \"map.pgm\", \"resolution\": 0.05}");
+        write("site/broken.yaml", "image: map.pgm\nresolution: [\n");
+        write("site/compose.yaml", "services:\n  web:\n    image: nginx\n");
+        write("site/ci.yaml", "image: python\n");
+        write("site/notes.txt", map);
+        let site = folder.path().join("site");
+        let found = jobs(std::slice::from_ref(&site), &site.join("out")).unwrap();
+        let places: Vec<&Path> = found.iter().map(|job| job.place.as_path()).collect();
+        assert_eq!(
+            places.iter().map(|p| p.to_str().unwrap()).collect::<Vec<_>>(),
+            ["a", "b", "b/up", "broken", "json", "site"]
+        );
+        assert_eq!(found[2].name.as_deref(), Some("b-up"));
+        // With another one, each with the name of its folder.
+        let found = jobs(&[site.join("a"), site.join("b")], &site.join("out")).unwrap();
+        assert_eq!(
+            found.iter().map(|job| job.place.to_str().unwrap()).collect::<Vec<_>>(),
+            ["a", "b", "b/up"]
+        );
+        assert!(jobs(&[site.join("out/c/nothing")], &site).unwrap()[0].name.is_none());
+        fs::create_dir(site.join("empty")).unwrap();
+        assert!(jobs(&[site.join("empty")], &site.join("out")).is_err());
     }
 }

@@ -4,6 +4,7 @@
 //! or kept if its result is still what it would be ([`resume`]); [`one`] and [`batch`] tell about it.
 
 mod batch;
+mod changes;
 mod jobs;
 mod one;
 mod result;
@@ -13,6 +14,8 @@ mod table;
 
 use anyhow::Result;
 
+pub(super) use self::result::{export_option, seal};
+
 use self::setup::Setup;
 use super::Outcome;
 use crate::args::MapArgs;
@@ -20,10 +23,10 @@ use crate::args::MapArgs;
 /// Labels every map; with several, one that fails does not stop the rest. The status is 1 where a result lacks
 /// something that was asked for, or a finding is an error.
 pub(crate) fn run(args: &MapArgs, verbose: bool) -> Result<Outcome> {
-    let setup = Setup::new(args)?;
     let jobs = jobs::jobs(&args.maps, &args.out)?;
+    let setup = Setup::new(args, &jobs)?;
     match jobs.as_slice() {
-        [job] if !args.resume => one::run(job, &setup, verbose),
-        _ => batch::run(&jobs, &setup, args),
+        [job] if setup.is_single && !args.resume => one::run(job, &setup, verbose),
+        _ => batch::run(&jobs, &setup, verbose),
     }
 }

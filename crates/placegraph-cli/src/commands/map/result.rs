@@ -19,7 +19,7 @@ use super::setup::{Context, Setup};
 use crate::commands::Outcome;
 use crate::document::{self, DOCUMENT};
 use crate::hints;
-use crate::output::OutputSet;
+use crate::output::{Existing, OutputSet};
 use crate::progress::Watch;
 
 /// What a run takes beside the map and what grows with it.
@@ -110,11 +110,13 @@ pub(super) fn files(
     document: &mut TopologyDocument,
     analysis: &Analysis,
     setup: &Setup<'_>,
+    context: &Context,
 ) -> Result<OutputSet> {
     // With the walls and openings that edits drew.
     let grid = analysis.drawn.as_ref().unwrap_or(&map.grid);
     let (graph, frame) = (&analysis.space.graph, &grid.frame);
-    let mut files = OutputSet::default();
+    let mut files = OutputSet::new(Existing::ReplaceResult);
+    files.keep_inputs(&[map.files.as_slice(), &context.inputs].concat(), setup.args.force);
     if setup.args.stages {
         files.add("labels.1-classified.png", label_png(graph, &analysis.classified));
         files.add("labels.2-smoothed.png", label_png(graph, &analysis.smoothed.most_likely()));
@@ -139,8 +141,9 @@ pub(super) fn files(
     files.add("overview.png", overview);
     let has_picture = setup.formats.iter().any(|format| format.needs_cells);
     let picture = has_picture.then(|| (&grid.cells, most_likely_probability(graph, &analysis.smoothed)));
+    document.program.options.extend(setup.formats.iter().map(|format| export_option(format.name)));
     add_exports(&mut files, document, &setup.formats, setup, picture)?;
-    seal(&mut files, document)?;
+    seal(&mut files, document, Vec::new())?;
     Ok(files)
 }
 
@@ -172,9 +175,23 @@ pub(super) fn add_exports(
     Ok(())
 }
 
-/// Adds the document, which lists all files that were added before.
-fn seal(files: &mut OutputSet, document: &mut TopologyDocument) -> Result<()> {
-    document.files = files.files().map(|(name, bytes)| FileRecord::of(name, bytes)).collect();
+/// How the document names that a format was asked for.
+pub(crate) fn export_option(format: &str) -> String {
+    format!("{EXPORT}{format}")
+}
+
+/// How the option of a format begins.
+pub(super) const EXPORT: &str = "--export ";
+
+/// Adds the document, which lists the files that stay and all that were added before.
+pub(crate) fn seal(
+    files: &mut OutputSet,
+    document: &mut TopologyDocument,
+    kept: Vec<FileRecord>,
+) -> Result<()> {
+    files.keep_files(kept.iter().map(|file| file.name.clone()).collect());
+    document.files = kept;
+    document.files.extend(files.files().map(|(name, bytes)| FileRecord::of(name, bytes)));
     document.seal()?;
     files.add(DOCUMENT, document.to_json()?);
     Ok(())

@@ -1,5 +1,6 @@
 //! What was typed, read: the model, the masks, and for every map its edits and its earlier result.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context as _, Result, ensure};
@@ -12,7 +13,7 @@ use placegraph::topology::reach::Robot;
 
 use super::jobs::Job;
 use crate::args::{Formats, GeoArg, MapArgs, PointArg, ReadArgs, RulesArg};
-use crate::document;
+use crate::document::{self, DOCUMENT};
 use crate::model::NamedModel;
 use crate::read;
 
@@ -24,36 +25,67 @@ pub(super) struct Setup<'a> {
     pub(super) masks: MaskSettings,
     /// The formats asked for, each once, in the order of the table.
     pub(super) formats: Vec<&'static Format>,
+    /// Whether the run is about a single map that was named itself.
+    pub(super) is_single: bool,
     /// What results depend on beside map, model, formats and what belongs to a single map, always in the same words.
     options: Vec<String>,
+    /// How many maps lie in each folder.
+    neighbors: BTreeMap<PathBuf, usize>,
 }
 
 /// What belongs to a single map.
 #[derive(Debug)]
 pub(super) struct Context {
     pub(super) config: pipeline::Config,
+    /// The folder of the result.
+    pub(super) folder: PathBuf,
     /// The edit file.
     pub(super) edits: PathBuf,
+    /// Whether the earlier result is the one that will be replaced.
+    pub(super) continues: bool,
+    /// Files that the run reads beside the map.
+    pub(super) inputs: Vec<PathBuf>,
     /// Name of the frame that the earlier result is in.
     pub(super) previous_frame_id: Option<String>,
-    /// What results depend on beside map and model, as the document names it.
+    /// What results depend on beside map, model and formats, as the document names it.
     pub(super) options: Vec<String>,
 }
 
+/// How the option of the earlier result begins.
+pub(super) const PREVIOUS: &str = "--previous ";
+
 impl<'a> Setup<'a> {
     /// Reads the files that hold for all maps.
-    pub(super) fn new(args: &'a MapArgs) -> Result<Self> {
-        ensure!(
-            args.maps.len() == 1 || (args.previous.is_none() && args.edits.is_none()),
-            "expected one map with --previous or --edits, found {}",
-            args.maps.len()
-        );
+    pub(super) fn new(args: &'a MapArgs, jobs: &[Job]) -> Result<Self> {
+        let is_single = matches!(jobs, [job] if job.name.is_none());
+        if let (false, Some(edits)) = (is_single, &args.edits) {
+            ensure!(
+                edits.file_name() == Some(edits.as_os_str()),
+                "expected the name of a file that lies beside each map as --edits of several maps, such as \
+                 edits.toml, found {}",
+                edits.display()
+            );
+        }
+        if let Some(previous) = &args.previous {
+            let is_there = if is_single { previous.exists() } else { previous.is_dir() };
+            ensure!(
+                is_there || *previous == args.out,
+                "expected {} as --previous, found nothing of the kind at {}",
+                if is_single { "a topology.json or its folder" } else { "the folder of an earlier run" },
+                previous.display()
+            );
+        }
         let model = NamedModel::load(args.model.as_deref())?;
         model.check_method(args.method)?;
         let (masks, masks_hash) = read::masks(args.masks.as_deref())?;
         masks.check(&model.model.label_set)?;
         let formats = Formats::in_order(&args.export);
-        Ok(Self { options: options(args, masks_hash.as_deref()), args, model, masks, formats })
+        let mut neighbors = BTreeMap::new();
+        for job in jobs {
+            *neighbors.entry(folder_of(&job.map)).or_default() += 1;
+        }
+        let options = options(args, masks_hash.as_deref());
+        Ok(Self { args, model, masks, formats, is_single, options, neighbors })
     }
 
     /// The names of the classes, in the order of their labels.
@@ -62,13 +94,15 @@ impl<'a> Setup<'a> {
     }
 
     /// Reads the files that belong to the map of `job`.
-    pub(super) fn context(&self, _job: &Job) -> Result<Context> {
+    pub(super) fn context(&self, job: &Job) -> Result<Context> {
         let mut options = self.options.clone();
-        options.extend(self.formats.iter().map(|format| format!("--export {}", format.name)));
+        let folder = self.args.out.join(&job.place);
         let read = |path: &Path| document::read_hashed(path, self.args.read.max_cells);
-        let previous = self.args.previous.as_deref().map(read).transpose()?;
-        let edits = self.args.edits.as_deref().map(read_edits).transpose()?;
-        options.extend(previous.as_ref().map(|(_, hash)| format!("--previous sha256:{hash}")));
+        let previous_path = self.previous(job);
+        let previous = previous_path.as_deref().map(read).transpose()?;
+        let edits_path = self.edits(job)?;
+        let edits = edits_path.as_deref().map(read_edits).transpose()?;
+        options.extend(previous.as_ref().map(|(_, hash)| format!("{PREVIOUS}sha256:{hash}")));
         options.extend(edits.as_ref().map(|(_, hash)| format!("--edits sha256:{hash}")));
         let previous = previous.map(|(document, _)| document);
         let config = pipeline::Config {
@@ -82,13 +116,62 @@ impl<'a> Setup<'a> {
             align_previous: self.args.align,
             ..if self.args.no_doorways { pipeline::Config::chapter() } else { pipeline::Config::default() }
         };
+        let shared = [&self.args.model, &self.args.masks].into_iter().flatten().cloned();
         Ok(Context {
             config,
-            edits: self.args.edits.clone().unwrap_or_default(),
+            continues: self.args.previous.as_deref().is_some_and(|previous| {
+                previous == self.args.out
+                    || same_file::is_same_file(in_folder(previous, job), folder.join(DOCUMENT))
+                        .unwrap_or(false)
+            }),
+            folder,
+            inputs: shared.chain(edits_path.clone()).collect(),
+            edits: edits_path.unwrap_or_default(),
             previous_frame_id: previous.map(|document| document.map.frame_id),
             options,
         })
     }
+
+    /// The earlier result of the map, if it has one.
+    fn previous(&self, job: &Job) -> Option<PathBuf> {
+        let path = in_folder(self.args.previous.as_deref()?, job);
+        path.exists().then_some(path)
+    }
+
+    /// The edit file of the map: as named for a single one, else that of the name beside it, if there is one.
+    fn edits(&self, job: &Job) -> Result<Option<PathBuf>> {
+        let Some(edits) = &self.args.edits else { return Ok(None) };
+        if self.is_single {
+            return Ok(Some(edits.clone()));
+        }
+        let folder = folder_of(&job.map);
+        let stem = job.map.file_stem().unwrap_or_default().to_string_lossy();
+        let own = folder.join(format!("{stem}.{}", edits.display()));
+        if own.exists() {
+            return Ok(Some(own));
+        }
+        let common = folder.join(edits);
+        if !common.exists() {
+            return Ok(None);
+        }
+        let n_maps = self.neighbors.get(&folder).copied().unwrap_or(1);
+        ensure!(
+            n_maps == 1,
+            "{} lies beside {n_maps} maps of this run: rename it to {}",
+            common.display(),
+            own.display()
+        );
+        Ok(Some(common))
+    }
+}
+
+/// The document of the map in the folder of an earlier run; a file is the document itself.
+fn in_folder(previous: &Path, job: &Job) -> PathBuf {
+    if previous.is_file() { previous.to_owned() } else { previous.join(&job.place).join(DOCUMENT) }
+}
+
+fn folder_of(map: &Path) -> PathBuf {
+    map.parent().unwrap_or(Path::new("")).to_owned()
 }
 
 /// The edits in a file, and the hash of the bytes that they were read from.
@@ -109,6 +192,7 @@ fn options(args: &MapArgs, masks_hash: Option<&str>) -> Vec<String> {
         out: _,
         method: _,
         resume: _,
+        force: _,
         // Added where the formats and the files of a map are read.
         export: _,
         previous: _,
