@@ -91,7 +91,7 @@ fn stages(criterion: &mut Criterion) {
         bench("region statistics, cell by cell", &|| drop(twins::statistics(graph, &regions)));
         bench("doorways", &|| {
             let config = DoorwayConfig::default();
-            drop(doorways::mark(&space, &field, &labeling, &set, &config));
+            drop(doorways::mark(&space, [&field; 2], &labeling, &set, &config));
         });
         bench("doorways, saddles alone by flooding (imageproc, petgraph)", &|| {
             std::hint::black_box(twins::flooded(&image));

@@ -1,137 +1,215 @@
-//! Narrow passages between larger spaces, marked as doorways whatever their cells were labeled.
+//! Narrow passages between larger spaces: doorways, marked as such whatever their cells were labeled, and openings without a
+//! door.
 //!
 //! A classifier that has seen no doorway between two corridors, or between two rooms, misses all of them as
 //! a whole, and calls doorway what only looks like one from where it stands; no smoothing mends either. The map
-//! itself shows doorways: where the clearance has a saddle, two walls stand opposite each other at the width
-//! of a door, and the space on both sides is wider and not one around the corner. Such a *gate* is a doorway where its
-//! form is clear, or where it is plausible and the labels support it ([`GateRule`]). It becomes a clean
+//! itself shows doorways: where the clearance has a saddle, two walls stand opposite each other. Such a *gate* is measured: its
+//! jambs, the space on both sides, the way around it, and what the labels say ([`figure_table`]). Boosted stumps over these figures
+//! give the probability that it is a doorway, and that it parts two spaces at all ([`GateModel`]). A gate that has the form of a
+//! doorway is one unless the model is sure that it is none; any other must be probable. A doorway becomes a clean
 //! rectangle of doorway cells from jamb to jamb, in the line of the walls around it. Cells labeled doorway outside of all gates take
 //! their next best label.
 //!
 //! Obstacles that stand free and are as small as a chair's leg are taken for free while gates are sought.
 //!
-//! Cost: linear in the cells of the map, plus one look at the neighborhood for every pair of opposite walls.
+//! Cost: linear in the cells of the map, plus one look at the neighborhood for every pair of opposite walls, and at the cells
+//! within 3 m of every gate.
 //!
-//! **Deviation.** The chapter has no such stage; it can be left out. The numbers of its rules were chosen on
-//! generated buildings.
+//! **Deviation.** The chapter has no such stage; it can be left out. Boosting is the chapter's (Sect. 4.2), of gates instead of
+//! cells.
 
 mod config;
-mod evidence;
+mod figures;
+mod flood;
 mod gate;
+mod model;
 mod paint;
 mod saddles;
-mod sides;
 mod walls;
 
 use rayon::prelude::*;
 
+use crate::geom::{Point2, Vec2};
 use crate::grid::{FreeSpace, Obstacles};
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
-use evidence::Evidence;
+use figures::Surroundings;
+use gate::Narrow;
 
-pub use config::{DoorwayConfig, GateRule, WalkConfig, WallConfig};
+pub use config::{DoorwayConfig, WallConfig};
+pub use model::{Calibrated, GateModel, GateModelError};
 
-/// `labeling` with the doorways of the map marked, and no others left. `field` supports gates, and gives
-/// its next best label to what was doorway. Without a class of role doorway nothing changes;
-/// with several, a doorway takes the one that `field` finds most probable in it.
-///
-/// # Examples
-/// ```
-/// use placegraph::doorways::{DoorwayConfig, mark};
-/// use placegraph::grid::{FreeSpace, OccupancyGrid};
-/// use placegraph::labels::{Label, LabelField, LabelSet};
-///
-/// let map = OccupancyGrid::from_ascii(
-///     0.25,
-///     "
-///     ?###########################
-///     ?#............#............#
-///     ?#............#............#
-///     ?#............#............#
-///     ?#............#............#
-///     ?#............#............#
-///     ?#.........................#
-///     ?#.........................#
-///     ?#.........................#
-///     ?#.........................#
-///     ?#............#............#
-///     ?#............#............#
-///     ?#............#............#
-///     ?#............#............#
-///     ?#............#............#
-///     ?###########################
-///     ",
-/// );
-/// let space = FreeSpace::of(&map);
-/// // All cells were labeled room, without a doubt. The doorway reaches a cell beyond the wall.
-/// let n = space.graph.n_nodes();
-/// let field = LabelField::from_rows(3, [0.0, 1.0, 0.0].repeat(n));
-/// let marked = mark(&space, &field, &vec![Label(1); n], &LabelSet::default(), &DoorwayConfig::default());
-/// let drawn = space.graph.to_ascii(|node| ['c', 'r', 'd'][marked[node].index()]);
-/// assert_eq!(drawn.lines().nth(6), Some("##rrrrrrrrrrrdddrrrrrrrrrrr#"));
-/// ```
+/// A narrow place between two walls, with all that was measured of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gate {
+    narrow: Narrow,
+    /// The values of [`figure_table`], in its order.
+    pub figures: Vec<f32>,
+    /// The nodes of the doorway that it may be: from jamb to jamb, through the whole wall.
+    pub strip: Vec<usize>,
+    /// The nodes on the line between its jambs: no step of four crosses it.
+    pub line: Vec<usize>,
+}
+
+impl Gate {
+    /// Its middle, in cells from the lower left corner.
+    pub fn center(&self) -> Point2 {
+        self.narrow.center
+    }
+
+    /// Unit vector from one jamb to the other.
+    pub fn across(&self) -> Vec2 {
+        self.narrow.across
+    }
+
+    /// Free width between the jambs, in cells.
+    pub fn width_cells(&self) -> f64 {
+        self.narrow.width - 1.0
+    }
+
+    /// Length of the narrow part in the direction of passage, in cells.
+    pub fn depth_cells(&self) -> f64 {
+        self.narrow.depth
+    }
+}
+
+/// What [`mark`] returns.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marked {
+    /// The label of every node, with the doorways of the map and no others.
+    pub labeling: Labeling,
+    /// The nodes on the line of every gate that parts two spaces, as a doorway or as an opening.
+    pub cuts: Vec<Vec<usize>>,
+}
+
+/// Names and meanings of the figures of a gate.
+pub fn figure_table() -> Vec<(&'static str, &'static str)> {
+    figures::REGISTRY.iter().map(|figure| (figure.name, figure.about)).collect()
+}
+
+/// `labeling` with the doorways of the map marked, and no others left. `fields` are the distributions by single scans and smoothed;
+/// the latter gives its next best label to what was doorway. Without a class of role doorway no label changes;
+/// with several, a doorway takes the one that the smoothed field finds most probable in it.
 ///
 /// # Panics
-/// If `field` or `labeling` do not belong to `space`, or a label is not of `label_set`.
+/// If `fields` or `labeling` do not belong to `space`, or a label is not of `label_set`.
 pub fn mark(
     space: &FreeSpace,
-    field: &LabelField,
+    fields: [&LabelField; 2],
     labeling: &[Label],
     label_set: &LabelSet,
     config: &DoorwayConfig,
-) -> Labeling {
-    let graph = &space.graph;
-    assert!(field.n_nodes() == graph.n_nodes() && labeling.len() == graph.n_nodes(), "one label per node");
+) -> Marked {
+    let n_nodes = space.graph.n_nodes();
+    let [_, smoothed] = fields;
+    assert!(
+        fields.iter().all(|field| field.n_nodes() == n_nodes) && labeling.len() == n_nodes,
+        "one label per node"
+    );
     let is_doorway = |label: Label| label_set.role(label) == Role::Doorway;
     let mut marked = labeling.to_vec();
     if !label_set.labels().any(is_doorway) {
-        return marked;
+        return Marked { labeling: marked, cuts: Vec::new() };
     }
-    let strips = strips(space, field, label_set, config);
-    for strip in &strips {
-        if let Some(label) = most_probable(field, strip, label_set, |role| role == Role::Doorway) {
-            for &node in strip {
+    let gates = gates(space, fields, label_set, config);
+    let doorways = doorways(&gates, config, space.in_cells(config.margin_m));
+    let mut in_strip = vec![false; n_nodes];
+    for gate in &doorways {
+        if let Some(label) = most_probable(smoothed, &gate.strip, label_set, |role| role == Role::Doorway) {
+            for &node in &gate.strip {
                 marked[node] = label;
+                in_strip[node] = true;
             }
         }
     }
-    let mut in_strip = vec![false; graph.n_nodes()];
-    for &node in strips.iter().flatten() {
-        in_strip[node] = true;
-    }
-    for node in 0..graph.n_nodes() {
+    for node in 0..n_nodes {
         if is_doorway(marked[node]) && !in_strip[node] {
-            let other = most_probable(field, &[node], label_set, |role| role != Role::Doorway);
+            let other = most_probable(smoothed, &[node], label_set, |role| role != Role::Doorway);
             marked[node] = other.unwrap_or(marked[node]);
         }
     }
-    marked
+    let parts = |gate: &Gate| config.model.parting.probability(&gate.figures) >= config.min_parting;
+    let cuts = gates.into_iter().filter(parts).map(|gate| gate.line).collect();
+    Marked { labeling: marked, cuts }
 }
 
-/// The nodes of every doorway of the map.
-fn strips(
+/// All gates of a map, narrowest first, with their figures.
+pub fn gates(
     space: &FreeSpace,
-    field: &LabelField,
+    fields: [&LabelField; 2],
     label_set: &LabelSet,
     config: &DoorwayConfig,
-) -> Vec<Vec<usize>> {
+) -> Vec<Gate> {
     let (graph, resolution_m) = (&space.graph, space.resolution_m());
     let cells = |meters: f64| space.in_cells(meters);
     let obstacles = Obstacles::of(graph);
     let cleared = obstacles.cleared(cells(config.max_speck_m).round() as u32);
     let clearance = saddles::squared_clearance(&cleared);
-    let candidates = gate::candidates(&cleared, &clearance, resolution_m, config);
-    let evidence = Evidence { graph, field, label_set, obstacles, resolution_m, config };
-    let margin = cells(config.margin_m);
-    let is_doorway = |gate: &gate::Gate| evidence.is_doorway(&cleared, &clearance, gate);
-    let gates: Vec<gate::Gate> = candidates.into_par_iter().filter(is_doorway).collect();
-    let of_map = |node: usize| graph.node_at(cleared.cell(node));
-    let strip = |gate: &gate::Gate| {
-        let turned = walls::aligned(&cleared, &clearance, resolution_m, &config.walls, *gate);
-        let gate = gate::with_depth(&cleared, turned, cells(config.max_depth_m)).unwrap_or(*gate);
-        paint::strip(&cleared, &gate, margin).into_iter().filter_map(of_map).collect()
+    let found = gate::candidates(&cleared, &clearance, resolution_m, config);
+    let found = gate::with_ends(&cleared, &found, cells(config.deep_m));
+    let found = gate::merged(&found, cells(config.merge_m));
+    let bare = obstacles.cleared(cells(config.max_furniture_m).round() as u32);
+    let surroundings = Surroundings {
+        graph,
+        cleared: &cleared,
+        clearance: &clearance,
+        bare: &bare,
+        fields,
+        label_set,
+        walls: &config.walls,
+        resolution_m,
     };
-    gate::distinct(&gates, margin).par_iter().map(strip).collect()
+    let of_map =
+        |nodes: Vec<usize>| nodes.into_iter().filter_map(|node| graph.node_at(cleared.cell(node))).collect();
+    let measured = |narrow: &Narrow| {
+        let turned = walls::aligned(&cleared, &clearance, resolution_m, &config.walls, *narrow);
+        // Where the turned line runs along a wall it is not the gate any more.
+        let turned = gate::with_depth(&cleared, turned, cells(config.max_depth_m))
+            .filter(|turned| turned.depth <= narrow.depth + cells(0.3))
+            .unwrap_or(*narrow);
+        Gate {
+            narrow: *narrow,
+            figures: figures::figures(&surroundings.measure(narrow, &found)),
+            strip: of_map(paint::strip(&cleared, &turned, cells(config.margin_m))),
+            line: of_map(paint::nodes_in(&cleared, &narrow.with_jambs(), 0.75)),
+        }
+    };
+    found.par_iter().map(measured).collect()
+}
+
+/// The gates that are doorways, the most probable first, but none that begins in the strip of a more probable one: seen from aside,
+/// a door has a second line.
+fn doorways<'a>(gates: &'a [Gate], config: &DoorwayConfig, margin: f64) -> Vec<&'a Gate> {
+    let probability = |gate: &Gate| config.model.doorway.probability(&gate.figures);
+    let mut found: Vec<(f64, &Gate)> = gates.iter().map(|gate| (probability(gate), gate)).collect();
+    found.retain(|&(p, gate)| {
+        figure(gate, "depth") <= config.max_doorway_depth_m
+            && (p >= config.min_doorway || p >= config.min_well_formed && is_well_formed(gate, config))
+    });
+    found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+    let mut doorways: Vec<(f64, &Gate)> = Vec::new();
+    for (p, gate) in found {
+        let begins_in = |&(better, other): &(f64, &Gate)| {
+            better > p && gate::begins_in(&gate.narrow, &other.narrow, margin)
+        };
+        if !doorways.iter().any(begins_in) {
+            doorways.push((p, gate));
+        }
+    }
+    doorways.into_iter().map(|(_, gate)| gate).collect()
+}
+
+/// The value of the figure called `name`.
+fn figure(gate: &Gate, name: &str) -> f64 {
+    figures::position(name).map_or(0.0, |at| gate.figures[at] as f64)
+}
+
+/// Whether a gate has the form of a doorway: by itself, or well enough for the labels to support it.
+fn is_well_formed(gate: &Gate, config: &DoorwayConfig) -> bool {
+    let figure = |name| figure(gate, name);
+    let [narrowest, widest] = config.well_formed_width_m;
+    (narrowest..=widest).contains(&figure("width"))
+        && figure("depth") <= config.well_formed_depth_m
+        && figure("form_clear").max(figure("form_supported")) >= 1.0
 }
 
 /// The label of a role that `wanted` accepts with the largest sum over `nodes`; ties go to the lower label.

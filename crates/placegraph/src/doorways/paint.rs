@@ -1,10 +1,10 @@
 //! The cells of a gate.
 
-use super::gate::{Gate, center_of};
+use super::gate::{Narrow, center_of};
 use crate::grid::{Cell, CellGraph, Connectivity};
 
 /// The cells of the map in the square of `reach` cells around the center of a gate, in order.
-pub(super) fn cells_within(graph: &CellGraph, gate: &Gate, reach: f64) -> impl Iterator<Item = Cell> {
+pub(super) fn cells_within(graph: &CellGraph, gate: &Narrow, reach: f64) -> impl Iterator<Item = Cell> {
     let range = |middle: f64, side: u32| {
         ((middle - reach).max(0.0) as u32)..((middle + reach).max(0.0) as u32 + 1).min(side)
     };
@@ -13,7 +13,7 @@ pub(super) fn cells_within(graph: &CellGraph, gate: &Gate, reach: f64) -> impl I
 }
 
 /// Free cells between the jambs, at most `half_depth` cells along the passage from the center, in order.
-pub(super) fn nodes_in(graph: &CellGraph, gate: &Gate, half_depth: f64) -> Vec<usize> {
+pub(super) fn nodes_in(graph: &CellGraph, gate: &Narrow, half_depth: f64) -> Vec<usize> {
     cells_within(graph, gate, (gate.width / 2.0).hypot(half_depth) + 1.0)
         .filter(|&cell| {
             let (across, along) = gate.local(center_of(cell));
@@ -26,9 +26,8 @@ pub(super) fn nodes_in(graph: &CellGraph, gate: &Gate, half_depth: f64) -> Vec<u
 
 /// The doorway of `gate`: the free cells of its rectangle with `margin` cells added on both sides and one at
 /// both jambs, which are ragged, as far as they are connected to the line between the jambs.
-pub(super) fn strip(graph: &CellGraph, gate: &Gate, margin: f64) -> Vec<usize> {
-    let wider = Gate { width: gate.width + 2.0, ..*gate };
-    let all = nodes_in(graph, &wider, gate.depth / 2.0 + margin);
+pub(super) fn strip(graph: &CellGraph, gate: &Narrow, margin: f64) -> Vec<usize> {
+    let all = nodes_in(graph, &gate.with_jambs(), gate.depth / 2.0 + margin);
     let mut reached = nodes_in(graph, gate, 0.75);
     let mut is_reached: Vec<bool> = all.iter().map(|node| reached.binary_search(node).is_ok()).collect();
     while let Some(node) = reached.pop() {

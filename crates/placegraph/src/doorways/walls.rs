@@ -4,7 +4,7 @@
 //! stands back. Most walls of a building run in two directions at right angles, so the walls around a gate tell how
 //! it lies.
 
-use super::gate::{Gate, center_of};
+use super::gate::{Narrow, center_of};
 use super::{WallConfig, paint};
 use crate::geom::Vec2;
 use crate::grid::{Cell, CellGraph};
@@ -17,20 +17,30 @@ pub(super) fn aligned(
     clearance: &[u32],
     resolution_m: f64,
     config: &WallConfig,
-    gate: Gate,
-) -> Gate {
-    let radius = config.radius_m / resolution_m;
-    let Some(walls) = direction(graph, clearance, &gate, config, radius) else { return gate };
-    // The turn to the nearest of the four directions at right angles, from the gate's own: in a map that is turned by
-    // a quarter it is the same to the last bit.
-    let own = fourth_power(gate.across);
-    let turn_rad = own.cross(walls).atan2(own.dot(walls)) / 4.0;
+    gate: Narrow,
+) -> Narrow {
+    let Some(turn_rad) = turn(graph, clearance, resolution_m, config, &gate) else { return gate };
     if turn_rad.abs() > config.max_turn_deg * std::f64::consts::PI / 180.0 {
         return gate;
     }
     let (sin, cos) = turn_rad.sin_cos();
     let Vec2 { x, y } = gate.across;
-    Gate { across: Vec2::new(cos * x - sin * y, sin * x + cos * y), width: gate.width * cos, ..gate }
+    Narrow { across: Vec2::new(cos * x - sin * y, sin * x + cos * y), width: gate.width * cos, ..gate }
+}
+
+/// The angle from `gate` to the nearest direction of the walls around it, where they agree on one.
+pub(super) fn turn(
+    graph: &CellGraph,
+    clearance: &[u32],
+    resolution_m: f64,
+    config: &WallConfig,
+    gate: &Narrow,
+) -> Option<f64> {
+    let walls = direction(graph, clearance, gate, config, config.radius_m / resolution_m)?;
+    // The turn to the nearest of the four directions at right angles, from the gate's own: in a map that is turned by
+    // a quarter it is the same to the last bit.
+    let own = fourth_power(gate.across);
+    Some(own.cross(walls).atan2(own.dot(walls)) / 4.0)
 }
 
 /// The square of the square of a vector as a complex number: its angle four times, the same for all four directions
@@ -45,7 +55,7 @@ fn fourth_power(v: Vec2) -> Vec2 {
 fn direction(
     graph: &CellGraph,
     clearance: &[u32],
-    gate: &Gate,
+    gate: &Narrow,
     config: &WallConfig,
     radius: f64,
 ) -> Option<Vec2> {
@@ -91,9 +101,9 @@ mod tests {
         CellGraph::new(&cells)
     }
 
-    fn turned(graph: &CellGraph, angle_rad: f64) -> Gate {
+    fn turned(graph: &CellGraph, angle_rad: f64) -> Narrow {
         let across = Vec2::new(angle_rad.cos(), angle_rad.sin());
-        let gate = Gate { center: Point2::new(40.0, 40.0), across, width: 10.0, depth: 2.0 };
+        let gate = Narrow { center: Point2::new(40.0, 40.0), across, width: 10.0, depth: 2.0 };
         aligned(graph, &squared_clearance(graph), 0.1, &WallConfig::default(), gate)
     }
 

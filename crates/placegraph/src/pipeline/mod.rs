@@ -180,14 +180,18 @@ fn analyze_as_drawn(
     let Smoothed { classified, mut smoothed, mut labeling } = smooth(&space, classified, model);
     let by_scan = classified.most_likely();
 
+    let mut cuts = Vec::new();
     if let Some(config) = &config.doorways {
         progress.begin(Stage::Doorways); // not in the chapter
-        labeling = doorways::mark(&space, &smoothed, &labeling, label_set, config);
+        let scans = if let Method::Boosted(_) = &model.method { &classified } else { &smoothed };
+        let marked = doorways::mark(&space, [scans, &smoothed], &labeling, label_set, config);
+        (labeling, cuts) = (marked.labeling, marked.cuts);
     }
 
     if let Some(config) = &config.spaces {
         progress.begin(Stage::Spaces); // not in the chapter
         (labeling, smoothed) = label_spaces(&space, classified, smoothed, &labeling, model, config);
+        labeling = spaces::label_whole(&space, labeling, &cuts, label_set, config);
     } else {
         drop(classified);
     }
@@ -274,3 +278,6 @@ fn correct_regions(space: &FreeSpace, found: RegionMap, model: &Model) -> Region
     let islands = islands(space, &corrected, thresholds.min_island_m2);
     label_islands(&space.graph, corrected, &islands)
 }
+
+#[cfg(all(test, feature = "default-model"))]
+mod tests;

@@ -21,10 +21,11 @@
 //! (Sect. 4.6) with one weight, on the field of either method.
 
 mod piece;
+mod whole;
 
 use rayon::prelude::*;
 
-use crate::grid::{CellGraph, DiagonalSteps, FreeSpace, Run, Runs, components};
+use crate::grid::{CellGraph, DiagonalSteps, FreeSpace, Obstacles, Run, Runs, components};
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
 use piece::{Piece, Rectangle};
 
@@ -37,6 +38,12 @@ pub struct SpaceConfig {
     /// Probabilities below this one, and above one minus it, count as this: neighboring cells err together, and
     /// none of them is as sure as it says. Default 0.1: the same page.
     pub least_probability: f64,
+    /// Share of the cells of a piece that must agree for all of it to take their label. Default 0.75: of 0.6 to 0.8 the one that does
+    /// best on real and generated buildings (`docs/default-model.md`). Above 1, none does.
+    pub min_agreement: f64,
+    /// Obstacles that stand free and are at most this long and wide are furniture: no walls of a corridor. Default 2.5: a bed, a
+    /// row of two desks.
+    pub max_furniture_m: f64,
     /// Cells of the largest rectangle that is cut as a whole. Default 2²⁰, of which a cut takes 40 MB; larger ones are cut in tiles
     /// first, which takes three times as long. It changes no label.
     pub max_cut: usize,
@@ -46,7 +53,14 @@ pub struct SpaceConfig {
 
 impl Default for SpaceConfig {
     fn default() -> Self {
-        Self { evidence_per_m: 3.0, least_probability: 0.1, max_cut: 1 << 20, tile_cells: 128 }
+        Self {
+            evidence_per_m: 3.0,
+            least_probability: 0.1,
+            min_agreement: 0.75,
+            max_furniture_m: 2.5,
+            max_cut: 1 << 20,
+            tile_cells: 128,
+        }
     }
 }
 
@@ -132,6 +146,24 @@ pub fn label(
     }
     let labels = labeling.iter().zip(found);
     labels.map(|(&label, found)| found.map_or(label, |found| candidates[found.index()])).collect()
+}
+
+/// `labeling` where every piece between doorways and `cuts` of which most cells agree has their label throughout, and every patch inside of a
+/// place the label of that place; doorways stay.
+///
+/// What a gate parts is a place of its own, or a part of one. Pieces of which fewer cells agree keep the borders that they have.
+/// `cuts` are nodes on the lines of gates: no step of four crosses them. Cost: linear in the nodes.
+pub fn label_whole(
+    space: &FreeSpace,
+    labeling: Labeling,
+    cuts: &[Vec<usize>],
+    label_set: &LabelSet,
+    config: &SpaceConfig,
+) -> Labeling {
+    let is_open = |label: Label| label_set.role(label) != Role::Doorway;
+    // Furniture is no wall.
+    let bare = Obstacles::of(&space.graph).cleared(space.in_cells(config.max_furniture_m).round() as u32);
+    whole::label_whole(&space.graph, &bare, labeling, is_open, cuts, config.min_agreement)
 }
 
 /// The labels of nodes that the best labeling has whatever lies around their tile, of two labels.
