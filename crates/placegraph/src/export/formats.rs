@@ -366,6 +366,8 @@ impl<'a> Export<'a> {
     }
 
     fn report(&self) -> Result<String, ExportError> {
+        let graph = self.document.graph.as_ref().map(ToString::to_string);
+        let findings: Vec<String> = self.document.findings.iter().cloned().chain(graph).collect();
         report_html(&ReportInput {
             title: &self.document.map.name,
             frame_id: self.frame_id(),
@@ -374,7 +376,7 @@ impl<'a> Export<'a> {
             shape: &self.shape,
             occupancy: self.occupancy,
             probability: self.probability.as_ref(),
-            findings: &self.document.findings,
+            findings: &findings,
             provenance: &self.provenance(),
         })
     }

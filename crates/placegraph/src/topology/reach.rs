@@ -1,6 +1,7 @@
 //! What a robot reaches, and how good the graph is for it.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
@@ -93,6 +94,25 @@ fn parts(map: &TopologicalMap) -> Vec<BTreeSet<PlaceId>> {
         parts.push(part);
     }
     parts
+}
+
+impl fmt::Display for GraphCheck {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { radius_m, least_clearance_m, reached_share, joined_share, n_blocked } = *self;
+        write!(
+            f,
+            "the graph reaches {:.0} % of the area and joins {:.0} % of all pairs of places",
+            100.0 * reached_share,
+            100.0 * joined_share
+        )?;
+        if let Some(clearance_m) = least_clearance_m {
+            write!(f, "; its routes keep {clearance_m:.2} m from walls at least")?;
+        }
+        if radius_m > 0.0 {
+            write!(f, "; for a robot of {radius_m:.2} m radius, {n_blocked} passages are too narrow")?;
+        }
+        Ok(())
+    }
 }
 
 impl GraphCheck {

@@ -109,7 +109,10 @@ fn a_door_that_is_too_narrow_is_no_way() {
         told.contains("too narrow for a robot of 0.20 m radius") && told.contains("0.25 m wide"),
         "{told}"
     );
-    assert_eq!(GraphCheck::of(&map, 0.2).n_blocked, 2);
+    let check = GraphCheck::of(&map, 0.2);
+    assert_eq!(check.n_blocked, 2);
+    let text = check.to_string();
+    assert!(text.contains("joins 20 % of all pairs") && text.contains("0.20 m radius, 2 passages"), "{text}");
     // Half of the wide door, with what a step takes.
     assert!(
         !laid(&building, 0.45)
