@@ -27,9 +27,10 @@ score() {
         ln -sfn "$map" "$links/$name"
         model=$models/$(building "$map").model.json
         [ -n "$models" ] && [ -f "$model" ] || model=
-        "$program" map "$map/map.yaml" --out "$out/maps/$set/$name" ${model:+--model "$model"} 2>>"$out/log.txt"
+        "$program" map "$map/map.yaml" --out "$out/maps/$set/$name" ${model:+--model "$model"} 2>>"$out/log.txt" ||
+            echo "no result: $map" >>"$out/log.txt"
     done
-    "$program" evaluate "$out/maps/$set" "$links" --truth "$truth" --csv "$out/$set.csv" >"$out/$set.txt"
+    "$program" evaluate "$out/maps/$set" "$links" --truth "$truth" --csv "$out/$set.csv" >"$out/$set.txt" || [ $? = 1 ]
     awk -v set="$set" '
         $1 == "mean" && !n { cells = $2; f1 = $3; rooms = $6 " / " $7 " / " $8; n = NR - 2 }
         $1 == "all" && NF == 9 { found = $4; right = $8; doors = $2 }
@@ -45,7 +46,7 @@ score plans "$data/plans" labels.png
 # Flats that no training set has: those from the 900th on.
 for mapping in clean slam; do
     [ -d "$out/flats-$mapping" ] || "$program" generate --plan "$data/flats/flats.jsonl" --seed 7 --first 900 --count 40 \
-        --mapping "$mapping" --resolution 0.05 --out "$out/flats-$mapping" 2>>"$out/log.txt"
+        --mapping "$mapping" --resolution 0.05 --out "$out/flats-$mapping" 2>>"$out/log.txt" || [ $? = 1 ]
     score "flats-$mapping" "$out/flats-$mapping" labels.png
 done
 if [ "${REPORT:-}" = 1 ]; then

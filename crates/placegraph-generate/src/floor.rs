@@ -7,8 +7,8 @@ use crate::shape::Rect;
 
 /// Side of a fine cell, in meters.
 pub(crate) const FINE_M: f64 = 0.025;
-/// Most fine cells of a floor: 400 m by 400 m.
-const MAX_CELLS: f64 = 2.56e8;
+/// Most fine cells of a floor: 250 m by 250 m.
+const MAX_CELLS: f64 = 1e8;
 
 const OUTSIDE: u16 = 0;
 const WALL: u16 = u16::MAX;

@@ -77,10 +77,21 @@ pub enum SurveyError {
         /// What there is.
         found: String,
     },
+    /// There is more of something than a building has.
+    #[error("expected at most {most} spaces, walls and doors, found {found}")]
+    TooMany {
+        /// The limit.
+        most: usize,
+        /// How many there are.
+        found: usize,
+    },
     /// Fewer than two spaces with a connection between them are left.
     #[error("expected at least two spaces with a door between them")]
     Empty,
 }
+
+/// Most spaces, and most corners, walls and doors, of a building.
+const MOST: usize = 20_000;
 
 impl SurveyError {
     fn text(expected: &'static str, message: &impl ToString) -> Self {
@@ -89,13 +100,17 @@ impl SurveyError {
 }
 
 impl Survey {
-    /// Checks that all numbers are finite and the building has a size that buildings have, and moves it to the origin.
+    /// Checks that numbers are finite, there are not too many, and the building has a size that buildings have, and moves it to the origin.
     fn checked(mut self) -> Result<Self, SurveyError> {
         let polygons = self.spaces.iter().flat_map(|space| match &space.outline {
             Outline::Polygon(points) => points.as_slice(),
             Outline::Around(point) => std::slice::from_ref(point),
         });
         let points: Vec<Point2> = polygons.chain(self.walls.iter().flatten()).copied().collect();
+        let found = points.len().max(self.spaces.len()).max(self.doors.len());
+        if found > MOST {
+            return Err(SurveyError::TooMany { most: MOST, found });
+        }
         let first = *points.first().ok_or(SurveyError::Empty)?;
         let around = points.iter().fold(Rect { min: first, max: first }, |Rect { min, max }, p| {
             Rect::new(min.x.min(p.x), min.y.min(p.y), max.x.max(p.x), max.y.max(p.y))

@@ -124,3 +124,30 @@ fn what_is_no_plan_is_refused() {
     let options = Options::default();
     assert!(matches!(generate_surveyed(&no_portals, "sample", 1, 0, &options), Err(SurveyError::Empty)));
 }
+
+/// Reads damaged text as a plan and as a flat, and draws what can be read.
+fn read_and_draw(text: &str) {
+    for survey in [read_plan_xml(text), read_flat(text)].into_iter().flatten() {
+        let options = Options { mapping: Mapping::Clean, resolution_m: Some(0.2) };
+        let _ = generate_surveyed(&survey, "damaged", 1, 0, &options);
+    }
+}
+
+#[test]
+fn damaged_plans_are_refused_or_drawn() {
+    for text in [include_str!("../plans/sample.xml"), include_str!("../plans/sample.jsonl")] {
+        for at in (0..text.len()).step_by(7) {
+            read_and_draw(&text[..at]);
+        }
+        // Every seventeenth digit is another one: spaces overlap, doors stand nowhere.
+        let digits: Vec<usize> = text.match_indices(|c: char| c.is_ascii_digit()).map(|(at, _)| at).collect();
+        for at in digits.into_iter().step_by(17) {
+            for digit in ["0", "9", "-1", "1e9"] {
+                read_and_draw(&[&text[..at], digit, &text[at + 1..]].concat());
+            }
+        }
+    }
+    let many = format!("[{}]", vec!["[0,0,9,9]"; 20_001].join(","));
+    let flat = format!(r#"{{"walls":{many},"doors":[[0,0,1,0]],"rooms":[],"fixtures":[]}}"#);
+    assert!(matches!(read_flat(&flat), Err(SurveyError::TooMany { .. })));
+}
