@@ -19,6 +19,12 @@ pub(crate) struct CropArg {
     pub(crate) y1: u32,
 }
 
+impl std::fmt::Display for CropArg {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{},{},{},{}", self.x0, self.y0, self.x1, self.y1)
+    }
+}
+
 impl FromStr for CropArg {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, bail, ensure};
 use placegraph::features;
 use placegraph::grid::{Cell, OccupancyGrid};
-use placegraph::import::{self, LabelCell, LabelCoding, NamedFiles, ReadOptions, TrainingFile};
+use placegraph::import::{self, LabelCell, LabelCoding, NamedFiles, ReadOptions, TrainingFile, has_memory};
 use placegraph::labels::LabelSet;
 use placegraph::training::{
     Choice, LabeledMap, ListReport, NetworkConfig, NetworkReport, TrainConfig, Trained, TrainedNetwork,
@@ -33,6 +33,11 @@ pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
         maps.push(map);
         inputs.extend(files);
     }
+    check_memory(
+        &maps,
+        &label_set,
+        &if args.method == MethodArg::Iamn { network_config(args).base } else { config(args) },
+    )?;
     let watch = Watch::start("training");
     let (model, report) = match args.method {
         MethodArg::Boosted => {
@@ -59,6 +64,29 @@ pub(crate) fn run(args: &TrainArgs, verbose: bool) -> Result<Outcome> {
         print(&report)?;
     }
     Ok(Outcome::Done)
+}
+
+/// Memory that training takes at most for each example and feature: the table, and the columns sorted, twice while what is
+/// held out is judged.
+const BYTES_PER_VALUE: u64 = 16;
+/// What it takes in addition.
+const BASE_BYTES: u64 = 64 << 20;
+
+/// Asks for the memory before it is needed: an allocation that fails would end the program without a word.
+fn check_memory(maps: &[LabeledMap], label_set: &LabelSet, config: &TrainConfig) -> Result<()> {
+    let mut n_cells = vec![0u64; label_set.len()];
+    for (_, label) in maps.iter().flat_map(LabeledMap::labeled_cells) {
+        n_cells[label.index()] += 1;
+    }
+    let most = config.max_cells_per_class.map_or(u64::MAX, |most| most.max(1) as u64);
+    let n_taken: u64 = n_cells.into_iter().map(|n| n / n.div_ceil(most).max(1) + 1).sum();
+    let n_values = n_taken * config.scales.len() as u64 * config.features.len() as u64;
+    let n_bytes = BASE_BYTES.saturating_add(BYTES_PER_VALUE.saturating_mul(n_values));
+    ensure!(
+        has_memory(n_bytes),
+        "not enough memory: training on {n_taken} cells needs {n_bytes} bytes; fewer cells of each class need less"
+    );
+    Ok(())
 }
 
 fn what_to_train_on(args: &TrainArgs) -> Result<(Vec<Entry>, LabelSet, LabelCoding)> {

@@ -318,6 +318,27 @@ fn pipes_are_refused_and_not_waited_for() {
 }
 
 #[test]
+fn a_run_that_waits_for_another_says_so() {
+    let folder = folder(YAML);
+    let out = folder.path().join("out");
+    fs::create_dir(&out).unwrap();
+    let lock = fs::File::open(&out).unwrap();
+    lock.lock().unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
+    command.arg("map").arg(folder.path().join("map.yaml")).arg("--out").arg(&out);
+    let mut run = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
+    let mut told = String::new();
+    let mut lines = std::io::BufReader::new(run.stderr.take().unwrap());
+    while !told.contains("waiting for another run") {
+        told.clear();
+        assert!(std::io::BufRead::read_line(&mut lines, &mut told).unwrap() > 0, "it ended without a word");
+    }
+    assert!(told.contains(&out.display().to_string()), "{told}");
+    lock.unlock().unwrap();
+    assert!(run.wait().unwrap().success());
+}
+
+#[test]
 fn documents_are_bounded_as_maps_are() {
     let folder = folder(YAML);
     let out = folder.path().join("out");

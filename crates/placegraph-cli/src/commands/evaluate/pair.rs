@@ -106,7 +106,7 @@ fn keep_only<T: Default>(crop: CropArg, grid: &mut Grid<T>) -> Result<()> {
     let (width, height) = (grid.width(), grid.height());
     ensure!(
         crop.x1 <= width && crop.y1 <= height,
-        "expected a crop inside {width} x {height} pixels, found {crop:?}"
+        "expected a crop inside {width} x {height} pixels, found {crop}"
     );
     let cells: Vec<_> = grid.cells().collect();
     for cell in cells {
