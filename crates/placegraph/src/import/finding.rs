@@ -192,9 +192,9 @@ impl fmt::Display for Finding {
             ),
             Self::Smoothed { n_cells, share } => write!(
                 f,
-                "{n_cells} pixels ({:.1} %) have a gray between those of their neighbors, as in a picture that was \
-                 turned or scaled with smoothing: walls get gaps, and halos that read as free; make the picture again \
-                 without interpolation (nearest neighbor)",
+                "{n_cells} pixels ({:.1} %) have a gray between those of their neighbors: if the picture was turned or \
+                 scaled with smoothing, walls have gaps, and halos that read as free; make it again without \
+                 interpolation (nearest neighbor)",
                 100.0 * share
             ),
             Self::Transparent { n_cells } => {
