@@ -279,5 +279,6 @@ fn correct_regions(space: &FreeSpace, found: RegionMap, model: &Model) -> Region
     label_islands(&space.graph, corrected, &islands)
 }
 
-#[cfg(all(test, feature = "default-model"))]
+#[cfg(test)]
+#[cfg(feature = "default-model")]
 mod tests;
