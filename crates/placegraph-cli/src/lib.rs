@@ -18,8 +18,8 @@ use placegraph::scan::Instructions;
 
 use crate::args::{Cli, Command};
 use crate::commands::{
-    Outcome, align, edit, evaluate, export, features, generate, info, list, locate, map, route, scan, shell,
-    train, verify,
+    Outcome, align, edit, evaluate, export, features, generate, info, list, locate, map, page, route, scan,
+    shell, train, verify,
 };
 
 /// Runs the program with `args`, the first of which is its own name, and returns its exit status.
@@ -63,6 +63,7 @@ fn execute(cli: &Cli) -> Result<Outcome> {
         Command::Features(args) => features::run(args),
         Command::Generate(args) => generate::run(args),
         Command::Export(args) => export::run(args),
+        Command::Page(args) => page::run(args),
         Command::Align(args) => align::run(args),
         Command::List(args) => list::run(args),
         Command::Edit(args) => edit::run(args),

@@ -52,6 +52,8 @@ pub(crate) enum Command {
     Generate(GenerateArgs),
     /// Write a topology.json in another program's format
     Export(ExportArgs),
+    /// Write the page for the browser: drop a map, see its places, mend them
+    Page(PageArgs),
     /// Find the turn and the shift between the frames of two results
     Align(AlignArgs),
     /// List the places of a result
@@ -444,6 +446,25 @@ pub(crate) struct VerifyArgs {
     /// Folders of results, or folders that hold such
     #[arg(required = true, value_name = "RESULT")]
     pub(crate) results: Vec<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PageArgs {
+    /// File to write
+    #[arg(short, long, value_name = "PAGE.html")]
+    pub(crate) output: PathBuf,
+    /// Open this map: map_server YAML, image (with --resolution) or CARMEN map
+    #[arg(long, value_name = "MAP", conflicts_with = "result")]
+    pub(crate) map: Option<PathBuf>,
+    /// Meters per pixel of a map that is an image without a YAML file
+    #[arg(long, value_name = "METERS", requires = "map")]
+    pub(crate) resolution: Option<f64>,
+    /// Begin with these edits of the map
+    #[arg(long, value_name = "EDITS.toml", requires = "map")]
+    pub(crate) edits: Option<PathBuf>,
+    /// Open with the result in this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) result: Option<PathBuf>,
 }
 
 #[derive(Debug, Args)]

@@ -10,6 +10,7 @@ pub(crate) mod info;
 pub(crate) mod list;
 pub(crate) mod locate;
 pub(crate) mod map;
+pub(crate) mod page;
 mod plans;
 pub(crate) mod route;
 pub(crate) mod scan;

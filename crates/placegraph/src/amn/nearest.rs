@@ -5,7 +5,7 @@
 //! Sums over features run in the features' order, so the result has the same bits on every processor. Cost: queries ×
 //! exemplars × features multiplications; no tree helps in 30 dimensions.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 
 /// Exemplars of a tile, stored feature by feature.
@@ -74,7 +74,8 @@ impl Exemplars {
     ) -> Vec<f32> {
         let width = self.n_groups * n_neighbors;
         let mut nearest = vec![f32::INFINITY; queries.len() / self.n_features * width];
-        let arch = Arch::new();
+        #[cfg(not(target_arch = "wasm32"))]
+        let arch = pulp::Arch::new();
         nearest
             .par_chunks_mut(BLOCK * width)
             .zip(queries.par_chunks(BLOCK * self.n_features))
@@ -85,11 +86,13 @@ impl Exemplars {
                     for (i, (query, row)) in rows.enumerate() {
                         let smallest = &mut row[tile.group * n_neighbors..(tile.group + 1) * n_neighbors];
                         let mut distances = [0.0; LANES];
-                        let closest = arch.dispatch(TileDistances {
-                            query,
-                            tile: &tile.values,
-                            distances: &mut distances,
-                        });
+                        let tile_distances =
+                            TileDistances { query, tile: &tile.values, distances: &mut distances };
+                        // As in `Instructions::run`.
+                        #[cfg(target_arch = "wasm32")]
+                        let closest = pulp::Scalar::new().vectorize(tile_distances);
+                        #[cfg(not(target_arch = "wasm32"))]
+                        let closest = arch.dispatch(tile_distances);
                         if closest < smallest[n_neighbors - 1] {
                             insert(smallest, &distances, &tile.rows, |row| counts(block * BLOCK + i, row));
                         }

@@ -97,6 +97,12 @@ pub enum MapError {
         /// Names of files in the folder that may be meant.
         beside: Vec<String>,
     },
+    /// A file that is needed is not among those that were given.
+    #[error("expected the file {name} beside this one, found none: give both")]
+    NotGiven {
+        /// Its name.
+        name: String,
+    },
     /// Not a regular file: a folder, a pipe, a device.
     #[error("expected a regular file, found {found}")]
     NoFile {

@@ -40,7 +40,12 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, MapError> {
 /// If it cannot be read, changes meanwhile, or is larger than such a file can be. An image with too many pixels is
 /// refused by its header, before the rest is read.
 pub fn read_cells(path: &Path, max_cells: u64) -> Result<Vec<u8>, MapError> {
-    read_with(path, |head| match image::declared_size(head) {
+    read_with(path, |head| max_file_bytes(head, max_cells))
+}
+
+/// How many bytes a file may have that begins with `head` and holds an image or a map of at most `max_cells` cells.
+pub(super) fn max_file_bytes(head: &[u8], max_cells: u64) -> Result<u64, MapError> {
+    match image::declared_size(head) {
         Some((width, height)) => {
             MapError::check_size(width, height, max_cells)?;
             Ok(max_bytes(width * height))
@@ -50,7 +55,7 @@ pub fn read_cells(path: &Path, max_cells: u64) -> Result<Vec<u8>, MapError> {
             // No header that is read: the decoder says what is wrong, whatever follows.
             None => image::decode(head, max_cells).map(|_| OVERHEAD_BYTES),
         },
-    })
+    }
 }
 
 /// Most bytes of a file with this many cells.

@@ -1,5 +1,6 @@
 //! Opens a map, whatever its format.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -155,23 +156,96 @@ pub fn map_name(path: &Path) -> String {
 /// # Errors
 /// If a file cannot be read or is not what it should be, see [`MapError`]; the error names the file.
 pub fn load_map(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
-    load(path, options).map_err(|error| error.in_file(path))
+    load(path, &OnDisk { options }, options).map_err(|error| error.in_file(path))
 }
 
-fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapError> {
+/// Reads the map whose first file is `name` from `files`, each a name and its bytes: for programs that have no file
+/// system. The image that a YAML names is looked for by its last part, in whatever folder the YAML says it lies.
+///
+/// # Errors
+/// As [`load_map`], and [`MapError::NotGiven`] if a file that is needed is not among `files`.
+pub fn load_map_from(
+    name: &str,
+    files: &[(&str, &[u8])],
+    options: &ReadOptions,
+) -> Result<LoadedMap, MapError> {
+    let path = Path::new(name);
+    load(path, &InMemory { files, options }, options).map_err(|error| error.in_file(path))
+}
+
+/// Where a map's files come from.
+trait Files {
+    /// The bytes of a small file.
+    fn text(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError>;
+    /// The bytes of a file with cells.
+    fn cells(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError>;
+    /// The path of the image that the YAML at `by` calls `name`, and what it is called if that is not its name.
+    fn image(&self, by: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError>;
+}
+
+struct OnDisk<'a> {
+    options: &'a ReadOptions,
+}
+
+impl Files for OnDisk<'_> {
+    fn text(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError> {
+        file::read(path, file::MAX_TEXT_BYTES).map(Cow::Owned)
+    }
+
+    fn cells(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError> {
+        file::read_cells(path, self.options.max_cells).map(Cow::Owned)
+    }
+
+    fn image(&self, by: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {
+        image_of(by, name, self.options)
+    }
+}
+
+struct InMemory<'a> {
+    files: &'a [(&'a str, &'a [u8])],
+    options: &'a ReadOptions,
+}
+
+impl InMemory<'_> {
+    fn bytes(&self, path: &Path, max_bytes: u64) -> Result<Cow<'_, [u8]>, MapError> {
+        let found = self.files.iter().find(|(name, _)| Path::new(name) == path);
+        let (_, bytes) = found.ok_or_else(|| MapError::NotGiven { name: path.display().to_string() })?;
+        if bytes.len() as u64 > max_bytes {
+            return Err(MapError::FileTooLarge { max_bytes });
+        }
+        Ok(Cow::Borrowed(bytes))
+    }
+}
+
+impl Files for InMemory<'_> {
+    fn text(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError> {
+        self.bytes(path, file::MAX_TEXT_BYTES)
+    }
+
+    fn cells(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError> {
+        let bytes = self.bytes(path, u64::MAX)?;
+        let max_bytes = file::max_file_bytes(&bytes, self.options.max_cells)?;
+        self.bytes(path, max_bytes)
+    }
+
+    fn image(&self, _: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {
+        let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
+        let is_beside = name.strip_prefix("./").unwrap_or(name) == last;
+        let replaced = ReplacedImage { named: name.to_owned(), read: last.to_owned() };
+        Ok((PathBuf::from(last), (!is_beside).then_some(replaced)))
+    }
+}
+
+fn load(path: &Path, opener: &impl Files, options: &ReadOptions) -> Result<LoadedMap, MapError> {
     let is_yaml = is_yaml(path);
-    let bytes = if is_yaml {
-        file::read(path, file::MAX_TEXT_BYTES)?
-    } else {
-        file::read_cells(path, options.max_cells)?
-    };
+    let bytes = if is_yaml { opener.text(path)? } else { opener.cells(path)? };
     let mut hash = Sha256::new_with_prefix(&bytes);
     let mut files = vec![path.to_owned()];
     let (grid, source) = if is_yaml {
         let yaml = ros::parse_yaml(&bytes)?;
-        let (image, replaced_image) = image_of(path, &yaml.image, options)?;
+        let (image, replaced_image) = opener.image(path, &yaml.image)?;
         let in_image = |error| MapError::ImageFile { image: image.clone(), error: Box::new(error) };
-        let image_bytes = file::read_cells(&image, options.max_cells).map_err(in_image)?;
+        let image_bytes = opener.cells(&image).map_err(in_image)?;
         hash.update(&image_bytes);
         options.interpretation(yaml.interpretation).check_thresholds()?;
         files.push(image.clone());
@@ -279,4 +353,44 @@ fn trap_205(counts: &[u64], gray_of: impl Fn(usize) -> f64, how: &Interpretation
 
 fn is_yaml(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yaml") || e.eq_ignore_ascii_case("yml"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const YAML: &[u8] = b"image: far/away/map.pgm\nresolution: 0.05\norigin: [1, 2, 0]\nnegate: 0\n\
+        occupied_thresh: 0.65\nfree_thresh: 0.196\n";
+    const IMAGE: &[u8] = b"P5\n2 1\n255\n\xfe\x00";
+
+    #[test]
+    fn a_map_in_memory_is_the_map_on_disk() {
+        let folder = tempfile::tempdir().unwrap();
+        let yaml = String::from_utf8(YAML.to_vec()).unwrap().replace("far/away/", "");
+        let files = [("map.yaml", yaml.as_bytes()), ("map.pgm", IMAGE)];
+        for (name, bytes) in files {
+            std::fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        let options = ReadOptions { resolution_m: Some(0.1), ..ReadOptions::default() };
+        for name in ["map.yaml", "map.pgm"] {
+            let on_disk = load_map(&folder.path().join(name), &options).unwrap();
+            let in_memory = load_map_from(name, &files, &options).unwrap();
+            assert_eq!(LoadedMap { files: on_disk.files.clone(), ..in_memory }, on_disk);
+        }
+    }
+
+    #[test]
+    fn an_image_in_memory_is_found_by_its_last_part_or_named() {
+        let options = ReadOptions::default();
+        assert!(load_map_from("map.yaml", &[("map.yaml", YAML), ("map.pgm", IMAGE)], &options).is_ok());
+        let error = load_map_from("map.yaml", &[("map.yaml", YAML)], &options).unwrap_err();
+        assert!(error.to_string().contains("expected the file map.pgm beside this one"), "{error}");
+    }
+
+    #[test]
+    fn what_is_too_large_in_memory_is_refused_by_its_header() {
+        let options = ReadOptions { max_cells: 1, resolution_m: Some(0.1), ..ReadOptions::default() };
+        let error = load_map_from("map.pgm", &[("map.pgm", IMAGE)], &options).unwrap_err();
+        assert!(error.to_string().contains("2 x 1"), "{error}");
+    }
 }

@@ -1,7 +1,8 @@
 //! Files to types: map_server YAML, images, CARMEN and Valetudo maps, label images; and the check of a map that was read.
 //!
 //! The parsers take bytes and give types: [`ros::parse_yaml`], [`image::decode`], [`carmen::parse`], [`valetudo::parse`],
-//! [`read_labels`], [`read_rooms`], [`TrainingFile::from_toml`]. Only [`load_map`], [`read`] and [`read_cells`] open files. All of
+//! [`read_labels`], [`read_rooms`], [`TrainingFile::from_toml`]. Only [`load_map`], [`read`] and [`read_cells`]
+//! open files; [`load_map_from`] takes their bytes. All of
 //! them are for hostile input: sizes are checked from the header before memory is taken, numbers are checked to be
 //! finite, a path in a file is not followed out of its folder, and whatever is wrong is a typed error, never a
 //! panic (`docs/reliability.md`).
@@ -30,7 +31,9 @@ pub use error::has_memory;
 pub use file::{MAX_TEXT_BYTES, NamedFiles, named_file, namesake, read, read_cells};
 pub use finding::{Finding, Severity};
 pub use labels::{LabelCell, LabelCoding, LabelImageError, image_size, read_labels, read_rooms};
-pub use load::{Gray205, LoadedMap, ReadOptions, ReplacedImage, Source, load_map, map_name, read_image};
+pub use load::{
+    Gray205, LoadedMap, ReadOptions, ReplacedImage, Source, load_map, load_map_from, map_name, read_image,
+};
 pub use training_file::{TrainingFile, TrainingFileError, TrainingMap};
 
 use serde::Serialize;

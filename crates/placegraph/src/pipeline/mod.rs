@@ -112,6 +112,19 @@ pub struct Analysis {
     pub frames: Option<Frames>,
 }
 
+/// A map's regions before edits by hand, and what they came of. Fields and labels are over the nodes of `space.graph`.
+#[derive(Clone, Debug)]
+pub struct Recognized {
+    /// The map's free cells and where they are.
+    pub space: FreeSpace,
+    /// The most probable label of every node by its own scan (Sect. 4.3 or 4.6.1).
+    pub classified: Labeling,
+    /// Distribution of every node after smoothing over its neighbors (Sect. 4.5 or 4.6).
+    pub smoothed: LabelField,
+    /// The regions, corrected if asked for (Sect. 4.7).
+    pub regions: RegionMap,
+}
+
 /// Labels `map` with `model` and builds its topological map.
 ///
 /// Walls and openings among the edits are drawn into the map before; numbers and names then are those of the map without them.
@@ -147,15 +160,28 @@ pub struct Analysis {
 /// ####ddd########ddd######ddd########ddd####
 /// ```
 pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &dyn Progress) -> Analysis {
+    analyze_with(map, model, config, progress, &mut |map| recognize(map, model, config, progress))
+}
+
+/// [`analyze`] with regions that are recognized elsewhere, for example kept from the last time: `recognize` must give what
+/// [`recognize`] gives for its map. Only edits and what follows are done again.
+pub fn analyze_with(
+    map: &OccupancyGrid,
+    model: &Model,
+    config: &Config,
+    progress: &dyn Progress,
+    recognize: &mut dyn FnMut(&OccupancyGrid) -> Recognized,
+) -> Analysis {
     let Some(OnMap { map: drawn, outcomes }) = edits::apply_to_map(map, &config.edits) else {
-        return analyze_as_drawn(map, model, config, progress);
+        return complete(recognize(map), model, config, progress);
     };
     let previous = config.previous.clone().unwrap_or_else(|| {
-        analyze_as_drawn(map, model, &Config { edits: Vec::new(), ..config.clone() }, progress).topology
+        let config = Config { edits: Vec::new(), ..config.clone() };
+        complete(recognize(map), model, &config, progress).topology
     });
     let align_previous = config.align_previous && config.previous.is_some();
     let config = Config { previous: Some(previous), align_previous, ..config.clone() };
-    let mut analysis = analyze_as_drawn(&drawn, model, &config, progress);
+    let mut analysis = complete(recognize(&drawn), model, &config, progress);
     for (position, outcome) in outcomes {
         analysis.edit_outcomes[position] = outcome;
     }
@@ -163,13 +189,8 @@ pub fn analyze(map: &OccupancyGrid, model: &Model, config: &Config, progress: &d
     analysis
 }
 
-/// [`analyze`] without the edits of the map itself.
-fn analyze_as_drawn(
-    map: &OccupancyGrid,
-    model: &Model,
-    config: &Config,
-    progress: &dyn Progress,
-) -> Analysis {
+/// The regions of `map`: all that comes before edits by hand.
+pub fn recognize(map: &OccupancyGrid, model: &Model, config: &Config, progress: &dyn Progress) -> Recognized {
     let label_set = &model.label_set;
     let space = FreeSpace::of(map); // the graph G = (V, E): Sect. 4.5
 
@@ -204,14 +225,18 @@ fn analyze_as_drawn(
         progress.begin(Stage::Correct); // the two heuristics by size: Sect. 4.7
         regions = correct_regions(&space, regions, model);
     }
+    Recognized { space, classified: by_scan, smoothed, regions }
+}
 
-    // Edits by hand, then places and how they connect: Sect. 4.7
+/// Edits by hand, then places and how they connect: Sect. 4.7.
+fn complete(recognized: Recognized, model: &Model, config: &Config, progress: &dyn Progress) -> Analysis {
+    let Recognized { space, classified, smoothed, regions } = recognized;
     let Places { regions, topology, place_ids, edit_outcomes, changes, frames } =
         places(&space, &smoothed, regions, model, config, progress);
     let labeling = regions.labeling();
     Analysis {
         space,
-        classified: by_scan,
+        classified,
         smoothed,
         regions,
         labeling,

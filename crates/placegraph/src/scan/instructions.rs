@@ -41,6 +41,10 @@ impl Instructions {
     /// `#[inline(always)]`.
     #[inline(always)]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
+        // WebAssembly has one kind of vectors, and a module with others does not load in every browser.
+        #[cfg(target_arch = "wasm32")]
+        return work();
+        #[cfg(not(target_arch = "wasm32"))]
         self.arch().dispatch(work)
     }
 

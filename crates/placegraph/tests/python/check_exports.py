@@ -342,34 +342,34 @@ def svg(folder):
 REPORT_PROBE = """
 <script>
 window.addEventListener("error", (event) => document.body.setAttribute("data-error", event.message));
-addEventListener("load", () => {
-  document.getElementById("show-specks").click();
+addEventListener("load", () => setTimeout(() => {
+  const { viewer } = globalThis.placegraph;
+  const { data, camera } = viewer;
+  const byId = (id) => document.getElementById(id);
+  byId("show-specks").click();
   const rows = document.querySelectorAll("#places tbody tr").length;
-  const hits = document.querySelectorAll(".hit").length;
-  document.getElementById("show-graph").click();
-  const hidden = document.getElementById("layer-graph").style.display;
-  document.getElementById("show-graph").click();
-  const before = document.getElementById("map").getAttribute("viewBox");
-  document.getElementById("map").dispatchEvent(new KeyboardEvent("keydown", { key: "+" }));
-  const zoomed = before !== document.getElementById("map").getAttribute("viewBox");
+  byId("show-graph").click();
+  const hidden = !viewer.shown.graph;
+  byId("show-graph").click();
+  const before = camera.scale;
+  byId("map").dispatchEvent(new KeyboardEvent("keydown", { key: "+" }));
+  const zoomed = camera.scale > before;
   document.querySelector("#places tbody button").click();
-  const chosen = document.querySelectorAll(".chosen").length;
-  document.getElementById("fit").click();
-  // The middle of a bent place may lie outside of it.
-  const middles = [...document.querySelectorAll(".hit")].map((hit) => hit.getBoundingClientRect())
-    .map((box) => ({ clientX: box.x + box.width / 2, clientY: box.y + box.height / 2, bubbles: true }));
-  const inside = (at) => document.elementsFromPoint(at.clientX, at.clientY).some((node) => node.dataset?.id);
-  document.getElementById("map").dispatchEvent(new PointerEvent("pointermove", middles.find(inside)));
-  const tip = document.getElementById("tip").textContent;
-  const doorway = document.querySelector('.node[data-id="@DOORWAY@"]')?.getBoundingClientRect();
-  if (doorway) {
-    const middle = { clientX: doorway.x + doorway.width / 2, clientY: doorway.y + doorway.height / 2 };
-    document.getElementById("map").dispatchEvent(new PointerEvent("pointermove", middle));
-  }
-  const at = document.getElementById("at").textContent;
-  const doorwayTip = document.getElementById("tip").textContent;
-  document.body.setAttribute("data-probe", JSON.stringify({ rows, hits, hidden, zoomed, chosen, tip, at, doorwayTip }));
-});
+  const chosen = document.querySelectorAll("tr.chosen").length === 1 && viewer.selected !== null;
+  byId("zoom-fit").click();
+  const box = byId("map").getBoundingClientRect();
+  const point = (place) => {
+    const [x, y] = camera.toScreen(place.at);
+    byId("map").dispatchEvent(new PointerEvent("pointermove", { clientX: box.x + x, clientY: box.y + y }));
+    return byId("tip").textContent;
+  };
+  const tip = point(data.places.find((place) => data.placeAt(place.at) === place));
+  const doorway = data.byId.get(@DOORWAY@);
+  const doorwayTip = doorway ? point(doorway) : "";
+  const at = byId("at").textContent;
+  const free = viewer.occupancy.values.filter((value) => value === 255).length;
+  document.body.setAttribute("data-probe", JSON.stringify({ rows, places: data.places.length, hidden, zoomed, chosen, tip, at, doorwayTip, free }));
+}, 500));
 </script>
 """
 
@@ -392,8 +392,8 @@ def report(folder):
     assert "data-error" not in dom.split("<header", 1)[0], dom[:400]
     assert 'data-probe="' in dom, "the page's script did not run to its end"
     probe = json.loads(dom.split('data-probe="', 1)[1].split('"', 1)[0].replace("&quot;", '"'))
-    assert probe["rows"] == probe["hits"] > 0 and probe["hidden"] == "none", probe
-    assert probe["zoomed"] and probe["chosen"] >= 2 and "probability" in probe["tip"], probe
+    assert probe["rows"] == probe["places"] > 0 and probe["free"] > 0, probe
+    assert probe["hidden"] and probe["zoomed"] and probe["chosen"] and "probability" in probe["tip"], probe
     if folder.truth:
         assert folder.truth["doorway"] in probe["doorwayTip"], probe
         folder.near_truth(*map(float, re.match(r"(-?[\d.]+), (-?[\d.]+) m", probe["at"]).groups()))

@@ -1,0 +1,92 @@
+// A browser with the page, and what the tests do in it.
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+import { chromium } from "playwright-core";
+
+export const ROOT = new URL("../../../../", import.meta.url);
+const PAGE = pathToFileURL(process.env.PLACEGRAPH_PAGE ?? "target/web/page.html").href;
+const PROGRAM = process.env.PLACEGRAPH_PROGRAM ?? new URL("target/debug/placegraph", ROOT).pathname;
+const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
+
+export const launch = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });
+
+/** A page in a context of its own; whatever goes wrong in it is in `errors`. */
+export async function openPage(browser, options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, ...options });
+  const page = await context.newPage();
+  const errors = [];
+  page.on("pageerror", (error) => errors.push(error.message));
+  page.on("console", (message) => message.type() === "error" && errors.push(message.text()));
+  page.on("request", (request) => !/^(file|blob|data):/.test(request.url()) && errors.push(`asked for ${request.url()}`));
+  page.on("dialog", (dialog) => { errors.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
+  await page.goto(PAGE);
+  return Object.assign(page, { errors });
+}
+
+export const file = (name, buffer) => ({ name, mimeType: "application/octet-stream", buffer: Buffer.from(buffer) });
+export const read = (path) => readFileSync(new URL(path, ROOT));
+export const officeFiles = () => [file("map.yaml", read("maps/office/map.yaml")), file("map.png", read("maps/office/map.png"))];
+
+/** Waits until a result is shown, or the reason why there is none. */
+export async function settled(page, timeout = 120_000) {
+  const outcome = await page.waitForFunction(() => {
+    if (!document.getElementById("failed").hidden) return document.getElementById("failed").innerText;
+    const covered = ["empty", "busy"].some((id) => !document.getElementById(id).hidden);
+    return !covered && globalThis.placegraph.state.data ? "shown" : null;
+  }, null, { timeout });
+  return outcome.jsonValue();
+}
+
+export async function openOffice(page) {
+  await page.setInputFiles("#files", officeFiles());
+  return settled(page);
+}
+
+/** Drops files on the page as a file manager does. */
+export async function drop(page, files) {
+  const transfer = await page.evaluateHandle((list) => {
+    const data = new DataTransfer();
+    for (const { name, bytes } of list) data.items.add(new File([Uint8Array.from(bytes)], name));
+    return data;
+  }, files.map(({ name, buffer }) => ({ name, bytes: [...buffer] })));
+  await page.dispatchEvent("#drop", "drop", { dataTransfer: transfer });
+}
+
+/** Everything the page knows of its places, and where they are on the screen. */
+export const places = (page) => page.evaluate(() => {
+  const { viewer } = globalThis.placegraph;
+  const box = viewer.canvas.getBoundingClientRect();
+  const onScreen = (at) => { const [x, y] = viewer.camera.toScreen(at); return [box.x + x, box.y + y]; };
+  return viewer.data.places.map(({ id, name, class: kind, at, jambs, area_m2, box: cells, x, y }) =>
+    ({ id, name, class: kind, at: onScreen(at), area_m2, x, y, cells, jambs: jambs?.map(onScreen) ?? null }));
+});
+
+export const editsOf = (page) => page.evaluate(() => globalThis.placegraph.state.history.edits);
+
+/** Waits until the page has `n` edits and shows what comes of them. */
+export async function waitForEdits(page, n) {
+  await page.waitForFunction((wanted) => globalThis.placegraph.state.history.edits.length === wanted, n, { timeout: 60_000 });
+  await page.evaluate(() => globalThis.placegraph.state.changing);
+  return settled(page);
+}
+
+/** The bytes of the download that `act` starts. */
+export async function downloaded(page, act) {
+  const [download] = await Promise.all([page.waitForEvent("download", { timeout: 60_000 }), act()]);
+  return { name: download.suggestedFilename(), bytes: readFileSync(await download.path()) };
+}
+
+export const folder = () => mkdtempSync(join(tmpdir(), "placegraph-page-"));
+
+/** Runs the program in `cwd`. */
+export const program = (args, cwd) => execFileSync(PROGRAM, args, { cwd, env: { ...process.env, SOURCE_DATE_EPOCH: "0" }, stdio: ["ignore", "pipe", "pipe"] });
+
+/** Files of an archive by name. */
+export function unzipped(bytes, cwd) {
+  const script = "import base64, io, json, sys, zipfile; z = zipfile.ZipFile(io.BytesIO(sys.stdin.buffer.read())); print(json.dumps({n: base64.b64encode(z.read(n)).decode() for n in z.namelist()}))";
+  const text = execFileSync("python3", ["-c", script], { input: bytes, cwd, encoding: "utf8", maxBuffer: 1 << 29 });
+  return new Map(Object.entries(JSON.parse(text)).map(([name, base64]) => [name, Buffer.from(base64, "base64")]));
+}
