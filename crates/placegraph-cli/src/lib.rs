@@ -7,6 +7,7 @@ mod guard;
 mod hints;
 mod model;
 mod output;
+pub mod package;
 mod progress;
 mod read;
 
