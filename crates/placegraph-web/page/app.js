@@ -79,6 +79,8 @@ async function openFiles(list) {
   const read = await Promise.all(found.files.map(async ({ name, file }) => ({ name, bytes: await file.arrayBuffer() })))
     .catch((error) => fail("The file cannot be read", error.message));
   if (!read) return undefined;
+  const empty = read.find(({ bytes }) => !bytes.byteLength);
+  if (empty) return fail("There is nothing to read", `${empty.name} is empty.`);
   let resolution = null;
   if (found.isImageAlone) {
     resolution = await askResolution(read[0]);
