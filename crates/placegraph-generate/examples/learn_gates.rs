@@ -65,7 +65,8 @@ fn examples(folder: &Path, scale: f64, model: &Model) -> Outcome<Vec<GateExample
     let space = FreeSpace::of(&map);
     let classified = classify(&map, &space, model, &Silent);
     let Smoothed { classified, smoothed, .. } = smooth(&space, classified, model);
-    let gates = gates(&space, [&classified, &smoothed], &model.label_set, &DoorwayConfig::default());
+    let config = DoorwayConfig::default();
+    let gates = gates(&space, [&classified, &smoothed], &model.label_set, &config);
     let size = (map.cells.width(), map.cells.height());
     let coding = LabelCoding::of(&model.label_set);
     let labels = read_labels(&fs::read(folder.join("labels.png"))?, size, &coding)?;
@@ -74,5 +75,5 @@ fn examples(folder: &Path, scale: f64, model: &Model) -> Outcome<Vec<GateExample
         LabelCell::None | LabelCell::Ignore => None,
     });
     let rooms = read_rooms(&fs::read(folder.join("rooms.png"))?, size)?;
-    Ok(gate_examples(&space, &gates, &labels, Some(&rooms), &model.label_set))
+    Ok(gate_examples(&space, &gates, &labels, Some(&rooms), &model.label_set, &config))
 }

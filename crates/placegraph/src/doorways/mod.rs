@@ -30,7 +30,7 @@ mod walls;
 use rayon::prelude::*;
 
 use crate::geom::{Point2, Vec2};
-use crate::grid::{FreeSpace, Obstacles};
+use crate::grid::{CellGraph, FreeSpace, Obstacles};
 use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
 use figures::Surroundings;
 use gate::Narrow;
@@ -44,10 +44,6 @@ pub struct Gate {
     narrow: Narrow,
     /// The values of [`figure_table`], in its order.
     pub figures: Vec<f32>,
-    /// The nodes of the doorway that it may be: from jamb to jamb, through the whole wall.
-    pub strip: Vec<usize>,
-    /// The nodes on the line between its jambs: no step of four crosses it.
-    pub line: Vec<usize>,
 }
 
 impl Gate {
@@ -110,12 +106,15 @@ pub fn mark(
     if !label_set.labels().any(is_doorway) {
         return Marked { labeling: marked, cuts: Vec::new() };
     }
-    let gates = gates(space, fields, label_set, config);
+    let search = Search::of(space, config);
+    let gates = search.gates(fields, label_set);
     let doorways = doorways(&gates, config, space.in_cells(config.margin_m));
+    // Turned into the line of its walls, which takes as long as all figures, is only what is marked.
+    let strips: Vec<Vec<usize>> = doorways.par_iter().map(|gate| search.strip(&gate.narrow)).collect();
     let mut in_strip = vec![false; n_nodes];
-    for gate in &doorways {
-        if let Some(label) = most_probable(smoothed, &gate.strip, label_set, |role| role == Role::Doorway) {
-            for &node in &gate.strip {
+    for strip in &strips {
+        if let Some(label) = most_probable(smoothed, strip, label_set, |role| role == Role::Doorway) {
+            for &node in strip {
                 marked[node] = label;
                 in_strip[node] = true;
             }
@@ -128,7 +127,7 @@ pub fn mark(
         }
     }
     let parts = |gate: &Gate| config.model.parting.probability(&gate.figures) >= config.min_parting;
-    let cuts = gates.into_iter().filter(parts).map(|gate| gate.line).collect();
+    let cuts = gates.iter().filter(|gate| parts(gate)).map(|gate| search.line(&gate.narrow)).collect();
     Marked { labeling: marked, cuts }
 }
 
@@ -139,41 +138,75 @@ pub fn gates(
     label_set: &LabelSet,
     config: &DoorwayConfig,
 ) -> Vec<Gate> {
-    let (graph, resolution_m) = (&space.graph, space.resolution_m());
-    let cells = |meters: f64| space.in_cells(meters);
-    let obstacles = Obstacles::of(graph);
-    let cleared = obstacles.cleared(cells(config.max_speck_m).round() as u32);
-    let clearance = saddles::squared_clearance(&cleared);
-    let found = gate::candidates(&cleared, &clearance, resolution_m, config);
-    let found = gate::with_ends(&cleared, &found, cells(config.deep_m));
-    let found = gate::merged(&found, cells(config.merge_m));
-    let bare = obstacles.cleared(cells(config.max_furniture_m).round() as u32);
-    let surroundings = Surroundings {
-        graph,
-        cleared: &cleared,
-        clearance: &clearance,
-        bare: &bare,
-        fields,
-        label_set,
-        walls: &config.walls,
-        resolution_m,
-    };
-    let of_map =
-        |nodes: Vec<usize>| nodes.into_iter().filter_map(|node| graph.node_at(cleared.cell(node))).collect();
-    let measured = |narrow: &Narrow| {
-        let turned = walls::aligned(&cleared, &clearance, resolution_m, &config.walls, *narrow);
-        // Where the turned line runs along a wall it is not the gate any more.
-        let turned = gate::with_depth(&cleared, turned, cells(config.max_depth_m))
-            .filter(|turned| turned.depth <= narrow.depth + cells(0.3))
-            .unwrap_or(*narrow);
-        Gate {
+    Search::of(space, config).gates(fields, label_set)
+}
+
+/// The nodes of the doorway that `gate` may be: from jamb to jamb, through the whole wall.
+pub fn strips(space: &FreeSpace, gates: &[Gate], config: &DoorwayConfig) -> Vec<Vec<usize>> {
+    let search = Search::of(space, config);
+    gates.par_iter().map(|gate| search.strip(&gate.narrow)).collect()
+}
+
+/// The map as gates are sought in it.
+struct Search<'a> {
+    space: &'a FreeSpace,
+    config: &'a DoorwayConfig,
+    /// The free cells, and those of specks.
+    cleared: CellGraph,
+    clearance: Vec<u32>,
+}
+
+impl<'a> Search<'a> {
+    fn of(space: &'a FreeSpace, config: &'a DoorwayConfig) -> Self {
+        let max_speck = space.in_cells(config.max_speck_m).round() as u32;
+        let cleared = Obstacles::of(&space.graph).cleared(max_speck);
+        let clearance = saddles::squared_clearance(&cleared);
+        Self { space, config, cleared, clearance }
+    }
+
+    fn gates(&self, fields: [&LabelField; 2], label_set: &LabelSet) -> Vec<Gate> {
+        let Self { space, config, cleared, clearance } = self;
+        let resolution_m = space.resolution_m();
+        let found = gate::candidates(cleared, clearance, resolution_m, config);
+        let found = gate::with_ends(cleared, &found, space.in_cells(config.deep_m));
+        let found = gate::merged(&found, space.in_cells(config.merge_m));
+        let max_furniture = space.in_cells(config.max_furniture_m).round() as u32;
+        let bare = Obstacles::of(&space.graph).cleared(max_furniture);
+        let surroundings = Surroundings {
+            graph: &space.graph,
+            cleared,
+            clearance,
+            bare: &bare,
+            fields,
+            label_set,
+            walls: &config.walls,
+            resolution_m,
+        };
+        let measured = |narrow: &Narrow| Gate {
             narrow: *narrow,
             figures: figures::figures(&surroundings.measure(narrow, &found)),
-            strip: of_map(paint::strip(&cleared, &turned, cells(config.margin_m))),
-            line: of_map(paint::nodes_in(&cleared, &narrow.with_jambs(), 0.75)),
-        }
-    };
-    found.par_iter().map(measured).collect()
+        };
+        found.par_iter().map(measured).collect()
+    }
+
+    fn strip(&self, narrow: &Narrow) -> Vec<usize> {
+        let Self { space, config, cleared, clearance } = self;
+        let turned = walls::aligned(cleared, clearance, space.resolution_m(), &config.walls, *narrow);
+        // Where the turned line runs along a wall it is not the gate any more.
+        let turned = gate::with_depth(cleared, turned, space.in_cells(config.max_depth_m))
+            .filter(|turned| turned.depth <= narrow.depth + space.in_cells(0.3))
+            .unwrap_or(*narrow);
+        self.of_map(&paint::strip(cleared, &turned, space.in_cells(config.margin_m)))
+    }
+
+    /// The nodes on the line between the jambs: no step of four crosses it.
+    fn line(&self, narrow: &Narrow) -> Vec<usize> {
+        self.of_map(&paint::nodes_in(&self.cleared, &narrow.with_jambs(), 0.75))
+    }
+
+    fn of_map(&self, nodes: &[usize]) -> Vec<usize> {
+        nodes.iter().filter_map(|&node| self.space.graph.node_at(self.cleared.cell(node))).collect()
+    }
 }
 
 /// The gates that are doorways, the most probable first, but none that begins in the strip of a more probable one: seen from aside,

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::boost::{AdaBoostError, StrongClassifier, adaboost};
-use crate::doorways::{Calibrated, Gate, GateModel};
+use crate::doorways::{Calibrated, DoorwayConfig, Gate, GateModel, strips};
 use crate::features::{FeatureId, FeatureTable};
 use crate::geom::Vec2;
 use crate::grid::{Cell, CellGraph, Connectivity, FreeSpace, Grid};
@@ -41,12 +41,14 @@ pub fn gate_examples(
     labels: &Grid<Option<Label>>,
     rooms: Option<&Grid<u16>>,
     label_set: &LabelSet,
+    config: &DoorwayConfig,
 ) -> Vec<GateExample> {
     let resolution_m = space.resolution_m();
     let is_doorway = |cell: &Option<Label>| cell.is_some_and(|label| label_set.role(label) == Role::Doorway);
     let doorways = Doorways::of(&labels.map(is_doorway), resolution_m);
-    let example = |gate: &Gate| {
-        let cells: Vec<Cell> = gate.strip.iter().map(|&node| space.graph.cell(node)).collect();
+    let strips = strips(space, gates, config);
+    let example = |(gate, strip): (&Gate, &Vec<usize>)| {
+        let cells: Vec<Cell> = strip.iter().map(|&node| space.graph.cell(node)).collect();
         let n_unlabeled = cells.iter().filter(|&&cell| labels[cell].is_none()).count();
         GateExample {
             figures: gate.figures.clone(),
@@ -57,7 +59,7 @@ pub fn gate_examples(
             parts: rooms.and_then(|rooms| parts(gate, resolution_m, rooms)),
         }
     };
-    gates.iter().map(example).collect()
+    gates.iter().zip(&strips).map(example).collect()
 }
 
 /// The drawn doorways of a map.
@@ -232,7 +234,7 @@ fn logistic(scored: &[(f64, f64)]) -> (f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::doorways::{DoorwayConfig, gates};
+    use crate::doorways::gates;
     use crate::grid::OccupancyGrid;
     use crate::labels::LabelField;
 
@@ -260,7 +262,7 @@ mod tests {
             labels[cell] = label(cell);
             rooms[cell] = if cell.x < 32 { 1 } else { 2 };
         }
-        gate_examples(&space, &gates, &labels, Some(&rooms), &label_set).remove(0)
+        gate_examples(&space, &gates, &labels, Some(&rooms), &label_set, &DoorwayConfig::default()).remove(0)
     }
 
     #[test]
