@@ -149,16 +149,16 @@ mod tests {
 
     #[test]
     fn degrees_of_points_around_an_origin() {
-        // At 48° N a degree of latitude is 111.20 km and one of longitude 74.63 km long (WGS 84).
+        // At 48° N a degree of latitude is 111.1903 km and one of longitude 74.6254 km long (WGS 84).
         let north_up = Georeference { latitude_deg: 48.0, longitude_deg: 7.8, heading_deg: 0.0 };
-        let [longitude, latitude] = north_up.degrees(Point2::new(74.63, 111.20));
+        let [longitude, latitude] = north_up.degrees(Point2::new(74.6254, 111.1903));
         assert!(
             (longitude - 7.801).abs() < 2e-8 && (latitude - 48.001).abs() < 2e-8,
             "{longitude} {latitude}"
         );
         // The map's y axis points east: its x axis then points south.
         let turned = Georeference { heading_deg: 90.0, ..north_up };
-        let [longitude, latitude] = turned.degrees(Point2::new(111.20, 74.63));
+        let [longitude, latitude] = turned.degrees(Point2::new(111.1903, 74.6254));
         assert!(
             (longitude - 7.801).abs() < 2e-8 && (latitude - 47.999).abs() < 2e-8,
             "{longitude} {latitude}"

@@ -375,7 +375,9 @@ mod tests {
         for name in ["map.yaml", "map.pgm"] {
             let on_disk = load_map(&folder.path().join(name), &options).unwrap();
             let in_memory = load_map_from(name, &files, &options).unwrap();
-            assert_eq!(LoadedMap { files: on_disk.files.clone(), ..in_memory }, on_disk);
+            // On the disk, a file called `map` takes the name of its folder.
+            let (files, name) = (on_disk.files.clone(), on_disk.name.clone());
+            assert_eq!(LoadedMap { files, name, ..in_memory }, on_disk);
         }
     }
 

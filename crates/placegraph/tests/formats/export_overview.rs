@@ -76,12 +76,13 @@ fn names_with_markup_and_control_characters_are_text() {
     let class = |name: &str, role| Class { name: name.into(), role, color: [90, 120, 200] };
     let set = LabelSet::new(vec![
         class("<corridor> & \"co\"", Role::Passage),
-        class("room\u{1}\u{0}\u{ffff}", Role::Place),
+        class("room", Role::Place),
         class("门", Role::Doorway),
     ])
     .unwrap();
     let mut map = topology(&grid, &labels, &set);
     map.places[0].name = "</text><script>".into();
+    map.places[1].name = "room\u{1}\u{0}\u{ffff}".into();
     let view = View {
         frame: grid.frame,
         left_cells: 0.0,

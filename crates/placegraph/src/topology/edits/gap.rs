@@ -28,7 +28,9 @@ pub(super) fn reach_m([a, b]: [At; 2]) -> f64 {
 pub(super) fn gap(graph: &CellGraph, [a, b]: [Point2; 2], reach: f64) -> Option<[Point2; 2]> {
     let drawn = b - a;
     let length = drawn.length();
-    if length < 1e-9 {
+    // The ends of a gap lie on the map, and each at most `reach` from a drawn one.
+    let longest = f64::from(graph.width()).hypot(f64::from(graph.height())) + 2.0 * reach;
+    if !length.is_finite() || length < 1e-9 || length > longest {
         return None;
     }
     let along = drawn * (1.0 / length);
@@ -142,6 +144,10 @@ mod tests {
         let line = [Point2::new(8.0, 10.0), Point2::new(12.0, 10.0)];
         assert_eq!(gap(&graph, line, 3.0), None);
         assert_eq!(gap(&graph, [line[0]; 2], 3.0), None, "a point is not a line");
+        for far in [1e9, 1e300, f64::INFINITY] {
+            let line = [Point2::new(-far, 10.0), Point2::new(far, 10.0)];
+            assert_eq!(gap(&graph, line, 0.2 * far), None, "far longer than the map: refused at once");
+        }
         // The border of the map is a wall.
         let across = gap(&graph, [Point2::new(1.0, 10.2), Point2::new(18.5, 9.8)], 3.0).unwrap();
         assert!(across[0].x.abs() < 1e-9 && (across[1].x - 20.0).abs() < 1e-9, "{across:?}");

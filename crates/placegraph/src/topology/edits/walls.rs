@@ -106,7 +106,9 @@ fn free_end(map: &OccupancyGrid, end: Point2, other: Point2, line: [At; 2]) -> R
     let steps = if length < 1e-9 { 0 } else { (2.0 * reach) as u32 };
     let beyond =
         (0..=steps).map(|step| if step == 0 { end } else { end + away * (0.5 * f64::from(step) / length) });
-    let found = beyond.into_iter().find(|&point| at(point) == Some(Occupancy::Free));
+    // Off the map there is nothing to find, however far the line leads.
+    let found =
+        beyond.take_while(|&point| at(point).is_some()).find(|&point| at(point) == Some(Occupancy::Free));
     let [x, y] = line[0];
     let there = match at(end) {
         Some(Occupancy::Occupied) => "a wall",
