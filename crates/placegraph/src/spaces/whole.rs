@@ -211,7 +211,10 @@ fn label_cuts(
                 for neighbor in graph.neighbors(node, Connectivity::Eight).filter(known) {
                     n_of[labeling[neighbor].index()] += 1;
                 }
-                Some(most(&n_of)).filter(|&(_, n)| n > 0).map(|(label, _)| label)
+                let (label, n) = most(&n_of);
+                // Its own label wins a tie, whatever the order of the classes.
+                let own = labeling[node];
+                (n > 0).then_some(if n_of[own.index()] == n { own } else { label })
             })
             .collect();
         let mut rest = Vec::new();
