@@ -190,6 +190,7 @@ mod tests {
         let out = tempfile::tempdir().unwrap();
         let mut table = Table::start(&out.path().join("new"), &["corridor", "room"], false).unwrap();
         table.add(&job("x.yaml"), &Err(anyhow::anyhow!("expected a map, found none"))).unwrap();
+        drop(table); // and with it the lock that the next run waits for
         let text = |name: &str| fs::read_to_string(out.path().join("new").join(name)).unwrap();
         let table = text("summary.csv");
         let lines: Vec<&str> = table.lines().collect();
