@@ -44,7 +44,7 @@ fn info_tells_what_the_map_is() {
     let map = folder.path().join("map.yaml");
     let text = done(&[&"info", &map]);
     for words in [
-        "map: map_server YAML, mode trinary, free up to 0.196, occupied from 0.65 (rules jazzy)\n",
+        ": map_server YAML, mode trinary, free up to 0.196, occupied from 0.65 (rules jazzy)\n",
         "60 x 40 cells of 0.1 m: 6.0 m x 4.0 m; lower left corner at (-3, 2.5), turned by 0.0°\n",
         "free space in 1 part\n",
     ] {

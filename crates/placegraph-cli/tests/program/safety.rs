@@ -181,6 +181,9 @@ fn every_export_names_its_map() {
         if document["skipped"].to_string().contains(&format!("\"{}\"", format.name)) {
             continue;
         }
+        if ["segments.json", "valetudo.json"].contains(&main.as_str()) {
+            continue; // these formats have no member for it; the document lists the files
+        }
         let text = fs::read_to_string(out.join(&main)).unwrap();
         assert!(text.contains(hash), "{main} does not name the map");
     }

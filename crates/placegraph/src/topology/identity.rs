@@ -106,7 +106,9 @@ pub fn carry_over(
 ) -> CarriedOver {
     let overlaps = Overlaps::new(current, shape, previous);
     let mut earlier_self = overlaps.best_pairs();
-    let matched_share = overlaps.matched_share(&earlier_self);
+    // Where one of the maps has no place, nothing speaks against the frames.
+    let is_empty = current.places.is_empty() || previous.places.is_empty();
+    let matched_share = if is_empty { 1.0 } else { overlaps.matched_share(&earlier_self) };
     let disagree = matched_share < MIN_MATCHED_SHARE;
     if disagree {
         earlier_self.clear();
@@ -245,12 +247,12 @@ impl Overlaps {
         earlier_self
     }
 
-    /// Cells that matched places share, by those of the smaller map; 1 where one of the maps has none.
+    /// Cells that matched places share, by those of the smaller map; 0 where one of the maps has none on the grid.
     fn matched_share(&self, earlier_self: &BTreeMap<PlaceId, PlaceId>) -> f64 {
         let matched: u64 = earlier_self.iter().map(|(&new, &old)| self.shared[&(new, old)]).sum();
         let [all_new, all_old] = [&self.current, &self.previous].map(|cells| cells.values().sum::<u64>());
         let smaller = all_new.min(all_old);
-        if smaller > 0 { matched as f64 / smaller as f64 } else { 1.0 }
+        if smaller > 0 { matched as f64 / smaller as f64 } else { 0.0 }
     }
 
     fn changes(

@@ -167,7 +167,7 @@ impl<'a> Setup<'a> {
 
 /// The document of the map in the folder of an earlier run; a file is the document itself.
 fn in_folder(previous: &Path, job: &Job) -> PathBuf {
-    if previous.is_file() { previous.to_owned() } else { previous.join(&job.place).join(DOCUMENT) }
+    if previous.is_dir() { previous.join(&job.place).join(DOCUMENT) } else { previous.to_owned() }
 }
 
 fn folder_of(map: &Path) -> PathBuf {
