@@ -329,7 +329,7 @@ fn a_run_that_waits_for_another_says_so() {
     let mut run = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
     let mut told = String::new();
     let mut lines = std::io::BufReader::new(run.stderr.take().unwrap());
-    while !told.contains("waiting for another run") {
+    while !told.contains("waiting for another program") {
         told.clear();
         assert!(std::io::BufRead::read_line(&mut lines, &mut told).unwrap() > 0, "it ended without a word");
     }
