@@ -30,6 +30,9 @@ pub struct DoorwayConfig {
     pub model: GateModel,
     /// Least probability of a doorway. Default 0.7 (`docs/default-model.md` has the curve).
     pub min_doorway: f64,
+    /// A gate that is narrower, in cells, must have the form of a doorway. Default 8: the model has seen no coarser ones, and takes
+    /// lines across a narrow corridor for doorways there.
+    pub min_learned_cells: f64,
     /// Greatest depth of a doorway, in meters. Default 1.5; of a deeper passage each end may be one.
     pub max_doorway_depth_m: f64,
     /// Least probability of a doorway that has the form of one: `form_clear` or `form_supported` of at least 1, width and depth as
@@ -73,6 +76,7 @@ impl Default for DoorwayConfig {
             max_furniture_m: 1.2,
             model: GateModel::builtin(),
             min_doorway: 0.7,
+            min_learned_cells: 8.0,
             max_doorway_depth_m: 1.5,
             min_well_formed: 0.05,
             well_formed_width_m: [0.6, 2.6],

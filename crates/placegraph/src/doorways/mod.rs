@@ -216,7 +216,8 @@ fn doorways<'a>(gates: &'a [Gate], config: &DoorwayConfig, margin: f64) -> Vec<&
     let mut found: Vec<(f64, &Gate)> = gates.iter().map(|gate| (probability(gate), gate)).collect();
     found.retain(|&(p, gate)| {
         figure(gate, "depth") <= config.max_doorway_depth_m
-            && (p >= config.min_doorway || p >= config.min_well_formed && is_well_formed(gate, config))
+            && (p >= config.min_doorway && gate.narrow.width >= config.min_learned_cells
+                || p >= config.min_well_formed && is_well_formed(gate, config))
     });
     found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     let mut doorways: Vec<(f64, &Gate)> = Vec::new();

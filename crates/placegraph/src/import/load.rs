@@ -143,9 +143,13 @@ pub struct LoadedMap {
 /// The name of the map at `path`: the file's, without extension; the folder's where the file is just called `map`, as
 /// map savers call it. What cannot be printed of it is a low line.
 pub fn map_name(path: &Path) -> String {
+    name_below(path, std::path::absolute(path).ok().as_deref())
+}
+
+/// The name of the map at `path`; a file called `map` takes that of its folder in `whole`, where that names one.
+fn name_below(path: &Path, whole: Option<&Path>) -> String {
     let stem = path.file_stem().unwrap_or_default();
-    let absolute = std::path::absolute(path).ok();
-    let folder = absolute.as_deref().and_then(Path::parent).and_then(Path::file_name);
+    let folder = whole.and_then(Path::parent).and_then(Path::file_name);
     let name = if stem == "map" { folder.unwrap_or(stem) } else { stem };
     printable(&name.to_string_lossy())
 }
@@ -170,7 +174,9 @@ pub fn load_map_from(
     options: &ReadOptions,
 ) -> Result<LoadedMap, MapError> {
     let path = Path::new(name);
-    load(path, &InMemory { files, options }, options).map_err(|error| error.in_file(path))
+    let map = load(path, &InMemory { files, options }, options).map_err(|error| error.in_file(path))?;
+    // The folder that the process runs in is not the map's.
+    Ok(LoadedMap { name: name_below(path, Some(path)), ..map })
 }
 
 /// Where a map's files come from.
