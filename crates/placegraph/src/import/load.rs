@@ -383,7 +383,7 @@ mod tests {
             let in_memory = load_map_from(name, &files, &options).unwrap();
             // On the disk, a file called `map` takes the name of its folder.
             let (files, name) = (on_disk.files.clone(), on_disk.name.clone());
-            assert_eq!(LoadedMap { files, name, ..in_memory }, on_disk);
+            assert_eq!(LoadedMap { name, files, ..in_memory }, on_disk);
         }
     }
 
