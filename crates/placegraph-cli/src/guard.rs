@@ -1,4 +1,4 @@
-//! Panics are bugs. They are told as errors that ask for a report, and in a batch they end one map, not the run.
+//! Panics are bugs. They are reported as errors that ask for a bug report, and in a batch they end one map, not the run.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind, set_hook};
@@ -9,7 +9,7 @@ use anyhow::{Result, anyhow};
 /// Where the last panic happened, on any thread.
 static PLACE: Mutex<Option<String>> = Mutex::new(None);
 
-/// Keeps panics from being printed where they happen: [`guarded`] tells them.
+/// Keeps panics from being printed where they happen: [`guarded`] reports them.
 pub(crate) fn install() {
     set_hook(Box::new(|info| {
         *PLACE.lock().unwrap_or_else(PoisonError::into_inner) = info.location().map(ToString::to_string);

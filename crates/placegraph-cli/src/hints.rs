@@ -1,16 +1,46 @@
 //! What a user of the program can do about what the library finds: the library knows no options.
 
 use placegraph::import::{Finding, MapError};
+use placegraph::pipeline::Frames;
 
 /// A finding in words, with the option that helps.
 pub(crate) fn told(finding: &Finding) -> String {
-    let option = match finding {
-        Finding::Gray205Unknown { .. } => "to trust them, use --trust-thresholds",
-        Finding::Gray205Free { .. } => "leave out --trust-thresholds",
-        Finding::Resolution { .. } => "to try another one, use --resolution",
-        _ => return finding.to_string(),
-    };
-    format!("{finding} ({option})")
+    with_option(&finding.to_string(), about(finding))
+}
+
+/// The option that helps about a finding.
+fn about(finding: &Finding) -> Option<&'static str> {
+    match finding {
+        Finding::Gray205Unknown { .. } => Some("to trust them, use --trust-thresholds"),
+        Finding::Gray205Free { .. } => Some("leave out --trust-thresholds"),
+        Finding::Resolution { .. } => Some("to try another one, use --resolution"),
+        _ => None,
+    }
+}
+
+/// `text`, and in brackets the option that helps.
+fn with_option(text: &str, option: Option<&str>) -> String {
+    option.map_or_else(|| text.to_owned(), |option| format!("{text} ({option})"))
+}
+
+/// The remarks of a result with the options that help: documents name none.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Advice(Vec<(String, &'static str)>);
+
+impl Advice {
+    /// The advice about the findings of a map and the frame of its earlier result.
+    pub(crate) fn new(findings: &[Finding], frames: Option<&Frames>) -> Self {
+        let found = findings.iter().filter_map(|finding| Some((finding.to_string(), about(finding)?)));
+        let not_aligned = frames.filter(|frames| frames.alignment.is_none()).and_then(Frames::disagreement);
+        let align = not_aligned.map(|remark| (remark, "to turn and shift the earlier one, use --align"));
+        Self(found.chain(align).collect())
+    }
+
+    /// `remark`, with the option that helps, if there is one.
+    pub(crate) fn about(&self, remark: &str) -> String {
+        let option = self.0.iter().find(|(known, _)| known == remark).map(|(_, option)| *option);
+        with_option(remark, option)
+    }
 }
 
 /// The option that helps against an error.
@@ -18,6 +48,7 @@ pub(crate) fn against(error: &MapError) -> Option<&'static str> {
     match error.cause() {
         MapError::NoResolution { .. } => Some("use --resolution METERS"),
         MapError::Outside { .. } => Some("to read images anywhere, use --allow-outside"),
+        MapError::SeveralTopics { .. } | MapError::NoSuchTopic { .. } => Some("use --topic TOPIC"),
         MapError::TooManyCells { .. } => Some("to read larger maps, use --max-cells N"),
         _ => None,
     }
@@ -124,7 +155,18 @@ mod tests {
         let pages = pages.filter(|path| path.extension().is_some_and(|e| e == "md"));
         for path in pages.chain(files(&root.join("docs"), "md")) {
             let text = fs::read_to_string(&path).unwrap();
-            let others = ["cargo ", "pip ", "git ", "docker ", "apt", "python", "npm", "RUSTFLAGS"];
+            let others = [
+                "cargo ",
+                "pip ",
+                "git ",
+                "docker ",
+                "apt",
+                "python",
+                "npm",
+                "RUSTFLAGS",
+                "ros2 ",
+                "colcon ",
+            ];
             let is_ours = |line: &&str| !others.iter().any(|other| line.contains(other));
             for line in text.lines().filter(is_ours) {
                 for option in named(line).into_iter().filter(|option| !FOREIGN.contains(&option.as_str())) {

@@ -1,6 +1,7 @@
 //! The program `placegraph`: arguments, library calls, files. A library, so that the Python package has the same program.
 
 mod args;
+mod classes;
 mod commands;
 mod document;
 mod guard;
@@ -19,8 +20,8 @@ use placegraph::scan::Instructions;
 
 use crate::args::{Cli, Command};
 use crate::commands::{
-    Outcome, align, edit, evaluate, export, features, generate, info, list, locate, map, page, route, scan,
-    shell, train, verify,
+    Outcome, align, edit, evaluate, export, features, generate, info, labels, list, locate, map, page,
+    replay, route, scan, shell, site, train, verify,
 };
 
 /// Runs the program with `args`, the first of which is its own name, and returns its exit status.
@@ -59,6 +60,7 @@ fn execute(cli: &Cli) -> Result<Outcome> {
         Command::Map(args) => map::run(args, cli.verbose),
         Command::Info(args) => info::run(args),
         Command::Train(args) => train::run(args, cli.verbose),
+        Command::Labels(args) => labels::run(args),
         Command::Evaluate(args) => evaluate::run(args),
         Command::Scan(args) => scan::run(args),
         Command::Features(args) => features::run(args),
@@ -68,9 +70,11 @@ fn execute(cli: &Cli) -> Result<Outcome> {
         Command::Align(args) => align::run(args),
         Command::List(args) => list::run(args),
         Command::Edit(args) => edit::run(args),
+        Command::Replay(args) => replay::run(args),
         Command::Verify(args) => verify::run(args),
         Command::Where(args) => locate::run(args),
         Command::Route(args) => route::run(args),
+        Command::Site(args) => site::run(args, cli.verbose),
         Command::Completions(args) => shell::completions(args),
         Command::Man(args) => shell::man(args),
     }

@@ -1,4 +1,4 @@
-//! What the Python package takes from the program besides [`run`](crate::run): its guard against panics, its way of writing
+//! The parts of the program that the Python package uses in addition to [`run`](crate::run): its guard against panics, its way of writing
 //! files, its words.
 
 use std::path::Path;
@@ -6,11 +6,10 @@ use std::time::Duration;
 
 use anyhow::Result;
 use placegraph::export::MaskSettings;
-use placegraph::import::Finding;
 
 use crate::output::{Existing, OutputSet};
 
-/// Keeps panics from being printed where they happen: [`guarded`] tells them.
+/// Keeps panics from being printed where they happen: [`guarded`] reports them.
 pub fn install_guard() {
     crate::guard::install();
 }
@@ -49,11 +48,6 @@ pub fn write_result(folder: &Path, files: Vec<(String, Vec<u8>)>) -> Result<Vec<
 /// If the file cannot be read, or is no mask file.
 pub fn masks(path: Option<&Path>) -> Result<(MaskSettings, Option<String>)> {
     crate::read::masks(path)
-}
-
-/// A finding in words, with the option that helps.
-pub fn told(finding: &Finding) -> String {
-    crate::hints::told(finding)
 }
 
 /// The time that results shall bear, from `SOURCE_DATE_EPOCH`.

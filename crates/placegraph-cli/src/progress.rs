@@ -12,18 +12,24 @@ use crate::output::complain;
 /// A bar on standard error for work longer than this; nothing where that is no terminal.
 const SHOW_AFTER: Duration = Duration::from_secs(1);
 
+/// Lines instead of a bar come this far apart.
+const LINE_AFTER: Duration = Duration::from_secs(15);
+
 /// A progress bar and a stopwatch: the library has neither.
 #[derive(Debug)]
 pub(crate) struct Watch {
     state: Mutex<State>,
     bar: Option<ProgressBar>,
     started: Instant,
+    /// Whether lines are printed where there is no terminal for a bar.
+    has_lines: bool,
 }
 
 #[derive(Debug, Default)]
 struct State {
     running: Option<(Stage, Instant)>,
     finished: Vec<(Stage, Duration)>,
+    last_line: Option<Instant>,
 }
 
 impl Watch {
@@ -39,10 +45,33 @@ impl Watch {
 
     /// A stopwatch that starts now and shows nothing.
     pub(crate) fn without_bar() -> Self {
-        Self { state: Mutex::default(), bar: None, started: Instant::now() }
+        Self { state: Mutex::default(), bar: None, started: Instant::now(), has_lines: false }
     }
 
-    /// Ends the stage that runs and tells how long each took, in order.
+    /// As [`Watch::start`], for work of minutes: where no bar can be shown, a line from time to time.
+    pub(crate) fn with_lines(what: &str) -> Self {
+        Self { has_lines: true, ..Self::start(what) }
+    }
+
+    /// Prints how far the stage at work is, and how much time it still needs, if it is time for that.
+    fn print_line(&self, done: usize, total: usize) {
+        let mut state = self.lock();
+        let last = state.last_line.unwrap_or(self.started);
+        let Some((stage, since)) = state.running.filter(|_| last.elapsed() >= LINE_AFTER && done > 0) else {
+            return;
+        };
+        state.last_line = Some(Instant::now());
+        drop(state);
+        let left = since.elapsed().as_secs_f64() * total.saturating_sub(done) as f64 / done as f64;
+        let elapsed = self.started.elapsed().as_secs();
+        complain(&format!(
+            "{elapsed} s: {} {:.0} %, about {left:.0} s left of this stage",
+            stage.name(),
+            100.0 * done as f64 / total.max(1) as f64
+        ));
+    }
+
+    /// Ends the current stage and returns the time of each, in order.
     pub(crate) fn finish(&self) -> Vec<(Stage, Duration)> {
         let mut state = self.lock();
         state.end_stage();
@@ -82,6 +111,9 @@ impl Progress for Watch {
         if bar.is_hidden() && self.started.elapsed() > SHOW_AFTER && std::io::stderr().is_terminal() {
             bar.set_draw_target(ProgressDrawTarget::stderr());
         }
+        if self.has_lines && !std::io::stderr().is_terminal() {
+            self.print_line(done, total);
+        }
         bar.set_length(total as u64);
         bar.set_position(done as u64);
     }
@@ -109,7 +141,7 @@ impl MapCounter {
         self.bar.tick();
     }
 
-    /// Tells above the bar what came of that map.
+    /// Prints the outcome of that map above the bar.
     pub(crate) fn end(&self, line: &str) {
         self.bar.suspend(|| complain(line));
         self.bar.inc(1);

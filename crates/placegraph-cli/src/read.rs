@@ -1,10 +1,10 @@
-//! Maps as the arguments say they are read, with the check's findings told to the user.
+//! Reads maps as the arguments say, and shows the findings of the check to the user.
 
 use std::path::Path;
 
 use anyhow::{Context, Result, anyhow};
 use placegraph::export::MaskSettings;
-use placegraph::import::{self, Gray205, LoadedMap, NamedFiles, ReadOptions, ros::Rules};
+use placegraph::import::{self, Gray205, LoadedMap, MapError, NamedFiles, ReadOptions, ros::Rules};
 use placegraph::model::sha256_hex;
 use placegraph::syntax::from_toml;
 
@@ -22,6 +22,7 @@ pub(crate) fn options(args: &ReadArgs) -> ReadOptions {
         },
         gray_205: if args.trust_thresholds { Gray205::AsFile } else { Gray205::Unknown },
         named_files: if args.allow_outside { NamedFiles::Anywhere } else { NamedFiles::Inside },
+        topic: args.topic.clone(),
         max_cells: args.max_cells,
         ..ReadOptions::default()
     }
@@ -34,10 +35,15 @@ pub(crate) fn map(path: &Path, args: &ReadArgs) -> Result<LoadedMap> {
 
 /// Reads the map at `path`; an error names the option that helps.
 pub(crate) fn load(path: &Path, options: &ReadOptions) -> Result<LoadedMap> {
-    import::load_map(path, options).map_err(|error| match hints::against(&error) {
+    import::load_map(path, options).map_err(told)
+}
+
+/// An error with the option that helps.
+pub(crate) fn told(error: MapError) -> anyhow::Error {
+    match hints::against(&error) {
         Some(option) => anyhow!("{error}; {option}"),
         None => error.into(),
-    })
+    }
 }
 
 /// Reads a TOML file, called a `what` where it cannot be read.

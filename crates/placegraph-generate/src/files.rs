@@ -1,7 +1,7 @@
 //! A building as files, in the layout of the evaluation data: bytes only, the caller writes them.
 
 use image::{ExtendedColorType, ImageEncoder, ImageError, codecs::png::PngEncoder};
-use placegraph::grid::{Grid, Occupancy};
+use placegraph::grid::{Grid, Occupancy, OccupancyGrid};
 use serde::Serialize;
 
 use crate::{Building, Record, Style};
@@ -44,19 +44,7 @@ struct Objects<'a> {
 /// # Errors
 /// If an encoder fails, which it does only for want of memory.
 pub fn files(building: &Building) -> Result<Vec<(&'static str, Vec<u8>)>, FilesError> {
-    let gray = building.map.cells.map(|occupancy| match occupancy {
-        Occupancy::Occupied => 0,
-        Occupancy::Unknown => 205,
-        Occupancy::Free => 254,
-    });
-    let origin = building.map.frame.map_from_grid();
-    let yaml = format!(
-        "image: map.png\nmode: trinary\nresolution: {}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
-        building.map.frame.resolution_m(),
-        origin.x,
-        origin.y,
-        origin.yaw_rad,
-    );
+    let [yaml, picture] = map_files(&building.map, "map.png")?;
     let rooms = if building.rooms.values().iter().all(|&room| room <= 255) {
         png("rooms.png", &building.rooms.map(|&room| room as u8), ExtendedColorType::L8, |value| {
             vec![*value]
@@ -78,13 +66,34 @@ pub fn files(building: &Building) -> Result<Vec<(&'static str, Vec<u8>)>, FilesE
     let mut objects = serde_json::to_vec_pretty(&objects)?;
     objects.push(b'\n');
     Ok(vec![
-        ("map.yaml", yaml.into_bytes()),
-        ("map.png", png("map.png", &gray, ExtendedColorType::L8, |value| vec![*value])?),
+        ("map.yaml", yaml),
+        ("map.png", picture),
         ("labels.png", png("labels.png", &building.labels, ExtendedColorType::L8, |value| vec![*value])?),
         ("rooms.png", rooms),
         ("graph.json", graph),
         ("objects.json", objects),
     ])
+}
+
+/// A map as map_server has it: the YAML, which calls the picture `picture`, and the picture.
+///
+/// # Errors
+/// If the encoder fails, which it does only for want of memory.
+pub fn map_files(map: &OccupancyGrid, picture: &str) -> Result<[Vec<u8>; 2], FilesError> {
+    let gray = map.cells.map(|occupancy| match occupancy {
+        Occupancy::Occupied => 0,
+        Occupancy::Unknown => 205,
+        Occupancy::Free => 254,
+    });
+    let origin = map.frame.map_from_grid();
+    let yaml = format!(
+        "image: {picture}\nmode: trinary\nresolution: {}\norigin: [{}, {}, {}]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n",
+        map.frame.resolution_m(),
+        origin.x,
+        origin.y,
+        origin.yaw_rad,
+    );
+    Ok([yaml.into_bytes(), png("map.png", &gray, ExtendedColorType::L8, |value| vec![*value])?])
 }
 
 /// `grid` as a PNG, top row first.

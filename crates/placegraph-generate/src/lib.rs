@@ -26,6 +26,7 @@ mod tour;
 mod truth;
 mod warp;
 
+use std::num::NonZeroUsize;
 use std::str::FromStr;
 
 use placegraph::geom::Pose2;
@@ -33,11 +34,12 @@ use placegraph::grid::{Cell, Grid, MapFrame, Occupancy, OccupancyGrid};
 
 use crate::dice::Dice;
 use crate::furnish::Care;
+use crate::mapper::Explored;
 use crate::scene::Scene;
 use crate::truth::Truth;
 use crate::warp::Warp;
 
-pub use files::{FilesError, files};
+pub use files::{FilesError, files, map_files};
 pub use floor::Floor;
 pub use plan::{Opening, OpeningKind, Plan, STRAIGHT, Space, SpaceClass, Tile, Usage};
 pub use record::{OpeningRecord, Record, SpaceRecord};
@@ -133,6 +135,17 @@ pub struct Building {
 /// # Panics
 /// If the resolution is not within 0.02 to 0.2 meters.
 pub fn generate(style: Style, seed: u64, index: u64, options: &Options) -> Building {
+    drawn(style, seed, index, options, None).0
+}
+
+/// A building drawn in `style`, and how its map grew.
+fn drawn(
+    style: Style,
+    seed: u64,
+    index: u64,
+    options: &Options,
+    every: Option<NonZeroUsize>,
+) -> (Building, Vec<OccupancyGrid>) {
     let number = Style::ALL.iter().position(|&other| other == style).unwrap_or(0) as u64;
     let stream = |purpose| Dice::new(seed, number, index, purpose);
     let mut dice = stream(0);
@@ -152,10 +165,10 @@ pub fn generate(style: Style, seed: u64, index: u64, options: &Options) -> Build
     furnish::furnish(&mut plan, care, &mut dice);
     let warp = Warp::draw(&plan.bounds(), &mut dice);
     let source = format!("placegraph generate, style {}, seed {seed}, building {index}", style.name());
-    let mut building = mapped(plan, &warp, stream(1), options);
+    let (mut building, growing) = mapped(plan, &warp, stream(1), options, every);
     (building.style, building.source) = (Some(style), source);
     building.license = Some(env!("CARGO_PKG_LICENSE").to_owned());
-    building
+    (building, growing)
 }
 
 /// Building `index` of the series `seed` that a robot maps, or an architect draws, of the surveyed building called `name`.
@@ -185,11 +198,34 @@ pub fn generate_surveyed(
     let care = Care::draw(&mut dice);
     furnish::furnish(&mut plan, care, &mut dice);
     let warp = Warp::draw(&plan.bounds(), &mut dice);
-    Ok(Building { source: name.to_owned(), ..mapped(plan, &warp, stream(1), options) })
+    let (building, _) = mapped(plan, &warp, stream(1), options, None);
+    Ok(Building { source: name.to_owned(), ..building })
 }
 
-/// The building as the options say that it is mapped.
-fn mapped(mut plan: Plan, warp: &Warp, mut dice: Dice, options: &Options) -> Building {
+/// As [`generate`] with [`Mapping::Slam`], and the map as it was after every `every` scans of the robot. Each is cropped to what is
+/// known, and stands where it belongs in the map frame.
+///
+/// # Panics
+/// If the resolution is not within 0.02 to 0.2 meters.
+pub fn generate_growing(
+    style: Style,
+    seed: u64,
+    index: u64,
+    resolution_m: Option<f64>,
+    every: NonZeroUsize,
+) -> (Building, Vec<OccupancyGrid>) {
+    let options = Options { mapping: Mapping::Slam, resolution_m };
+    drawn(style, seed, index, &options, Some(every))
+}
+
+/// The building as the options say that it is mapped, and how its map grew.
+fn mapped(
+    mut plan: Plan,
+    warp: &Warp,
+    mut dice: Dice,
+    options: &Options,
+    every: Option<NonZeroUsize>,
+) -> (Building, Vec<OccupancyGrid>) {
     let mapping = match options.mapping {
         Mapping::Mixed => {
             dice.weighted(&[(Mapping::Slam, 6.0), (Mapping::Clean, 1.0), (Mapping::Furnished, 1.0)])
@@ -210,14 +246,18 @@ fn mapped(mut plan: Plan, warp: &Warp, mut dice: Dice, options: &Options) -> Bui
     let mut attempt = 0;
     loop {
         let fine_m = cell_m / f64::from(per_cell);
-        let (scene, cells) = map_of(&plan, warp, mapping, fine_m, per_cell, &mut dice);
-        let map = cropped(&cells, &scene, cell_m, &mut dice);
+        let (scene, explored) = map_of(&plan, warp, mapping, fine_m, per_cell, every, &mut dice);
+        let margin = (dice.pick(&[0.1, 0.5, 2.0, 6.0]) * dice.between(0.5, 1.5) / cell_m).ceil() as i64;
+        let map = cropped(&explored.map, &scene, cell_m, margin);
         let Truth { labels, rooms, graph } = truth::look_up(&plan, warp, &scene, &map.cells, &map.frame);
         attempt += 1;
         if attempt == ATTEMPTS || is_worth_keeping(&plan, &labels, &graph, cell_m) {
             let record = record::of(&plan, warp, &map, &rooms);
             let (style, source, license) = (None, String::new(), None);
-            return Building { style, mapping, source, license, map, labels, rooms, graph, record, plan };
+            let growing = explored.growing.iter().map(|cells| cropped(cells, &scene, cell_m, 1)).collect();
+            let building =
+                Building { style, mapping, source, license, map, labels, rooms, graph, record, plan };
+            return (building, growing);
         }
         open_all(&mut plan);
     }
@@ -233,17 +273,18 @@ fn map_of(
     mapping: Mapping,
     fine_m: f64,
     per_cell: u32,
+    every: Option<NonZeroUsize>,
     dice: &mut Dice,
-) -> (Scene, Grid<Occupancy>) {
+) -> (Scene, Explored) {
     let margin_m = if mapping == Mapping::Slam && !plan.panes.is_empty() { 3.5 } else { 1.0 };
     let mut scene = Scene::paint(plan, warp, fine_m, margin_m);
-    let cells = if mapping == Mapping::Slam {
+    let explored = if mapping == Mapping::Slam {
         scene.plant_outside(dice);
-        mapper::explore(plan, &scene, fine_m * f64::from(per_cell), dice)
+        mapper::explore(plan, &scene, fine_m * f64::from(per_cell), every, dice)
     } else {
-        drawing::draw(&scene, per_cell, dice)
+        Explored { map: drawing::draw(&scene, per_cell, dice), growing: Vec::new() }
     };
-    (scene, cells)
+    (scene, explored)
 }
 
 /// Whether the robot came far enough: it saw a third of the floor, and a few doors.
@@ -260,9 +301,8 @@ fn open_all(plan: &mut Plan) {
     }
 }
 
-/// The map with unknown margins of some width, placed somewhere in the map frame.
-fn cropped(cells: &Grid<Occupancy>, scene: &Scene, cell_m: f64, dice: &mut Dice) -> OccupancyGrid {
-    let margin = (dice.pick(&[0.1, 0.5, 2.0, 6.0]) * dice.between(0.5, 1.5) / cell_m).ceil() as i64;
+/// The map with `margin` unknown cells around what is known, where it stands in the map frame.
+fn cropped(cells: &Grid<Occupancy>, scene: &Scene, cell_m: f64, margin: i64) -> OccupancyGrid {
     let (mut min, mut max) = ((i64::MAX, i64::MAX), (0, 0));
     for cell in cells.cells().filter(|&cell| cells[cell] != Occupancy::Unknown) {
         let (x, y) = (i64::from(cell.x), i64::from(cell.y));

@@ -1,6 +1,8 @@
 //! From scans to an occupancy grid: hits and passes are counted in every cell, as most grid mappers do, from
 //! poses that are a little wrong.
 
+use std::num::NonZeroUsize;
+
 use placegraph::geom::{Point2, Vec2};
 use placegraph::grid::{Grid, Occupancy};
 
@@ -60,8 +62,22 @@ impl Mapper {
     }
 }
 
-/// The map that a robot makes of `scene`, in cells of `cell_m` over the same ground as the scene.
-pub(crate) fn explore(plan: &Plan, scene: &Scene, cell_m: f64, dice: &mut Dice) -> Grid<Occupancy> {
+/// What a robot knows of a scene, in cells over the same ground.
+pub(crate) struct Explored {
+    /// In the end.
+    pub(crate) map: Grid<Occupancy>,
+    /// After every so many scans, if asked for.
+    pub(crate) growing: Vec<Grid<Occupancy>>,
+}
+
+/// The map that a robot makes of `scene`, in cells of `cell_m`; also after every `every` scans. That changes nothing of the map.
+pub(crate) fn explore(
+    plan: &Plan,
+    scene: &Scene,
+    cell_m: f64,
+    every: Option<NonZeroUsize>,
+    dice: &mut Dice,
+) -> Explored {
     let laser = Laser::draw(dice);
     let mapper = Mapper::draw(&laser, cell_m, dice);
     let explored = dice.pick(&[1.0, 1.0, 0.9, 0.75, 0.4]);
@@ -75,7 +91,8 @@ pub(crate) fn explore(plan: &Plan, scene: &Scene, cell_m: f64, dice: &mut Dice) 
         passes: Grid::filled(width, height, 0),
     };
     let mut drift = [0.0; 3];
-    for (at, forward) in poses(&tour, &laser, mapper.step_m) {
+    let mut growing = Vec::new();
+    for (n_scans, (at, forward)) in (1..).zip(poses(&tour, &laser, mapper.step_m)) {
         let beams = laser.scan(scene, at, forward, dice);
         // A random walk that loop closures keep pulling back.
         let pull = 0.96_f64;
@@ -87,8 +104,11 @@ pub(crate) fn explore(plan: &Plan, scene: &Scene, cell_m: f64, dice: &mut Dice) 
             Vec2::new(drift[0] + mapper.jitter_m * dice.normal(), drift[1] + mapper.jitter_m * dice.normal());
         let turn = heading(drift[2] + mapper.jitter_rad * dice.normal());
         counts.insert(at + offset, turn, &beams, &mapper);
+        if every.is_some_and(|every| n_scans % every == 0) {
+            growing.push(counts.threshold(&mapper));
+        }
     }
-    counts.threshold(&mapper)
+    Explored { map: counts.threshold(&mapper), growing }
 }
 
 /// The length of `v`, to the same bits on every platform: square roots are rounded alike everywhere, `hypot` is not.

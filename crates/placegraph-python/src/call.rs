@@ -20,8 +20,8 @@ const SIGNALS: Duration = Duration::from_millis(50);
 /// Most threads that can be asked for.
 const MAX_THREADS: usize = 1024;
 
-/// Pools by process and number of threads (0: one a core). A forked process has the pools of its parent, but not their threads.
-static POOLS: Mutex<Vec<(u32, usize, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
+/// The pool of a thread a core, by process: a forked one has the pool of its parent, but not its threads.
+static POOLS: Mutex<Vec<(u32, Arc<ThreadPool>)>> = Mutex::new(Vec::new());
 
 /// What `work` returns on `threads` threads, or one a core.
 ///
@@ -36,7 +36,8 @@ pub(crate) fn long<T: Send + 'static>(
     let canceled = Arc::new(AtomicBool::new(false));
     let watch = Watch(Arc::clone(&canceled));
     let (sender, receiver) = channel();
-    pool(threads)?.spawn(move || {
+    let pool = pool(threads)?;
+    pool.spawn(move || {
         let _ = sender.send(guarded(|| work(&watch)));
     });
     // Only this thread receives, but whoever leaves the GIL must not share what is not meant for it.
@@ -70,24 +71,27 @@ fn guarded<T>(work: impl FnOnce() -> Result<T, Failure>) -> Result<T, Failure> {
     result.unwrap_or_else(|error| Err(Failure::new(Exception::Internal, error)))
 }
 
+/// The pool of all calls that ask for no number of threads. Others have one each: calls side by side would wait for one another.
 fn pool(threads: Option<usize>) -> PyResult<Arc<ThreadPool>> {
-    let n = match threads {
-        None => 0,
-        Some(n) if (1..=MAX_THREADS).contains(&n) => n,
+    let of_size = |n: usize| {
+        let pool = ThreadPoolBuilder::new().num_threads(n).build();
+        let failed = |error| PyRuntimeError::new_err(format!("could not start the threads: {error}"));
+        pool.map(Arc::new).map_err(failed)
+    };
+    match threads {
+        Some(n) if (1..=MAX_THREADS).contains(&n) => return of_size(n),
         Some(n) => {
             return Err(PyValueError::new_err(format!("expected 1 to {MAX_THREADS} threads, found {n}")));
         }
-    };
+        None => {}
+    }
     let process = std::process::id();
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((.., pool)) = pools.iter().find(|(of, size, _)| (*of, *size) == (process, n)) {
+    if let Some((_, pool)) = pools.iter().find(|(of, _)| *of == process) {
         return Ok(Arc::clone(pool));
     }
-    let pool = ThreadPoolBuilder::new().num_threads(n).build();
-    let pool =
-        pool.map_err(|error| PyRuntimeError::new_err(format!("could not start the threads: {error}")))?;
-    let pool = Arc::new(pool);
-    pools.push((process, n, Arc::clone(&pool)));
+    let pool = of_size(0)?;
+    pools.push((process, Arc::clone(&pool)));
     Ok(pool)
 }
 

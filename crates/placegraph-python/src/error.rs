@@ -74,7 +74,11 @@ impl Failure {
         let Some((number, path)) = self.file else {
             return Ok(PyErr::from_value(errors.getattr(self.exception.name())?.call1((self.text,))?));
         };
-        Ok(PyErr::from_value(errors.getattr("file_error")?.call1((self.text, number, path))?))
+        Ok(PyErr::from_value(errors.getattr("file_error")?.call1((
+            self.text,
+            number,
+            path.into_os_string(),
+        ))?))
     }
 }
 

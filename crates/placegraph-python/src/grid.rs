@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crate::labeled::Choices;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyUntypedArrayMethods};
 use placegraph::geom::{Point2, Pose2};
 use placegraph::grid::{Cell, Grid as Cells, MapFrame, Occupancy, OccupancyGrid};
@@ -13,13 +12,14 @@ use placegraph::import::{
     self, Format, Gray205, LoadedMap, MapError, NamedFiles, ReadOptions, Source, has_memory,
 };
 use placegraph::model::sha256_hex;
-use placegraph::scan::{self, ScanConfig};
+use placegraph::scan;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::arrays;
 use crate::call::long;
 use crate::error::{Exception, Failure};
+use crate::model::Model;
 
 /// Where an array's cells are: meters per cell, and x, y, yaw of the lower left corner.
 type Frame = (f64, (f64, f64, f64));
@@ -29,8 +29,8 @@ type Frame = (f64, (f64, f64, f64));
 #[derive(Debug)]
 pub(crate) struct Grid {
     pub(crate) map: Arc<LoadedMap>,
-    /// How the map was read, as results name it.
-    pub(crate) choices: Choices,
+    /// How the map was read.
+    pub(crate) read: ReadOptions,
 }
 
 #[pymethods]
@@ -64,16 +64,11 @@ impl Grid {
             max_cells,
             ..ReadOptions::default()
         };
+        let read = options.clone();
         let map = long(py, None, move |_| {
             import::load_map(&path, &options).map_err(|error| Failure::map(&path, &error))
         })?;
-        let choices = Choices {
-            rules,
-            trust_thresholds: gray_205_as_file,
-            resolution_m: resolution,
-            ..Choices::default()
-        };
-        Ok(Self { map: Arc::new(map), choices })
+        Ok(Self { map: Arc::new(map), read })
     }
 
     /// The map of an array of occupancies: -1 unknown, else 0 to 100.
@@ -162,9 +157,16 @@ impl Grid {
     }
 
     /// The 360 ranges, in meters, of a scan from the center of the cell at a point of the map frame.
-    fn scan<'py>(&self, py: Python<'py>, x: f64, y: f64) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    fn scan<'py>(
+        &self,
+        py: Python<'py>,
+        x: f64,
+        y: f64,
+        model: Option<&Model>,
+    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let cell = self.free_cell(Point2::new(x, y))?;
-        let scan = scan::cast(&self.map.grid, cell, &ScanConfig::default());
+        let config = model.map(|model| model.model.scan).unwrap_or_default();
+        let scan = scan::cast(&self.map.grid, cell, &config);
         Ok(PyArray1::from_slice(py, scan.ranges_m()))
     }
 
@@ -193,7 +195,7 @@ impl Grid {
         bytes.extend(cells.values().iter().map(|&occupancy| occupancy as u8));
         let grid = OccupancyGrid { frame, cells };
         let map = LoadedMap { grid, name, source, hash: sha256_hex(&bytes), files: Vec::new() };
-        Ok(Self { map: Arc::new(map), choices: Choices::default() })
+        Ok(Self { map: Arc::new(map), read: ReadOptions::default() })
     }
 
     fn inside(&self, point: Point2) -> Option<Cell> {

@@ -11,6 +11,7 @@ use placegraph::eval::Confusion;
 use placegraph::features::{self, FeatureId, FeatureTable};
 use placegraph::grid::{CellGraph, Grid as Cells};
 use placegraph::labels::{Class, Label, LabelSet, Role};
+use placegraph::learning::learn;
 use placegraph::model::Model as TrainedModel;
 use placegraph::training::{Choice, LabeledMap, NetworkConfig, TrainConfig, train, train_network};
 use placegraph_generate::{Mapping, Options, Style};
@@ -132,7 +133,13 @@ pub(crate) fn train_model(
         .map(|(grid, labels)| {
             let map = &grid.map;
             let labels = label_grid(labels, &label_set)?;
-            Ok(LabeledMap { name: map.name.clone(), grid: map.grid.clone(), labels, window: None })
+            Ok(LabeledMap {
+                name: map.name.clone(),
+                grid: map.grid.clone(),
+                labels,
+                window: None,
+                building: None,
+            })
         })
         .collect::<PyResult<Vec<_>>>()?;
     let failed = |error| Failure::new(Exception::Training, error);
@@ -144,7 +151,9 @@ pub(crate) fn train_model(
                 TrainConfig::default()
             })?;
             long(py, threads, move |progress| {
-                train(&maps, &label_set, &config, progress).map(|trained| trained.model).map_err(failed)
+                // The chapter has no stage for doorways.
+                let learn = if settings.chapter { train } else { learn };
+                learn(&maps, &label_set, &config, progress).map(|trained| trained.model).map_err(failed)
             })?
         }
         "iamn" => {

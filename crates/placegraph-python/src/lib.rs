@@ -61,7 +61,7 @@ mod _native {
     #[pymodule_export]
     use super::grid::Grid;
     #[pymodule_export]
-    use super::labeled::{Labeled, export_formats, label};
+    use super::labeled::{Labeled, Session, export_formats, label};
     #[pymodule_export]
     use super::learn::{
         evaluate, extract, feature_names, fit_list, generate, list_probabilities, train_model,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import sys
 import threading
 import time
@@ -37,7 +39,7 @@ def main(engine: str, sites: Path, out: Path) -> None:
 
         cluster = LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None)
         client = Client(cluster)
-        thread = threading.Thread(target=lose, args=(lambda: cluster.workers[1].process.process.kill(),))
+        thread = threading.Thread(target=lose, args=(lambda: os.kill(cluster.workers[1].pid, signal.SIGKILL),))
         end = client.close
     if engine.endswith("lost"):
         thread.start()

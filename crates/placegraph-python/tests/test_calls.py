@@ -106,6 +106,8 @@ def run(code: str, *, timeout: float = 120) -> subprocess.CompletedProcess[str]:
 def test_ctrl_c_ends_a_long_call() -> None:
     code = """
         import numpy as np, os, signal, threading, time, placegraph as pg
+        # A shell that starts tests in the background leaves the signal ignored.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         office = pg.load_map("maps/office/map.yaml")
         big = pg.OccupancyGrid(np.tile(office.array, (12, 12)), resolution=0.05)
         threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()

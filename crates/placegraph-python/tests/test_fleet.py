@@ -84,6 +84,23 @@ def test_geopandas_pyarrow_and_duckdb_open_it(dataset: Path) -> None:
     assert n == len(places)
 
 
+def test_duckdb_reads_the_geometry(dataset: Path) -> None:
+    duckdb = pytest.importorskip("duckdb")
+    # The extension from the package index: DuckDB's own server is not always to be had.
+    pytest.importorskip("duckdb_extension_spatial")
+    from duckdb_extensions import import_extension
+
+    import_extension("spatial")
+    connection = duckdb.connect()
+    connection.load_extension("spatial")
+    query = "SELECT ST_Area(geometry), area_m2, ST_GeometryType(geometry)::VARCHAR FROM read_parquet(?)"
+    for area, area_m2, kind in connection.execute(query, [f"{dataset}/places/*.parquet"]).fetchall():
+        assert area == pytest.approx(area_m2, rel=1e-9) and kind in ("POLYGON", "MULTIPOLYGON")
+    query = "SELECT max(abs(ST_Length(geometry) - length_m)) FROM read_parquet(?) WHERE length_m IS NOT NULL AND geometry IS NOT NULL"
+    ((farthest,),) = connection.execute(query, [f"{dataset}/connections/*.parquet"]).fetchall()
+    assert farthest < 1e-3
+
+
 def test_what_is_done_is_not_done_again(sites: dict[str, str], dataset: Path) -> None:
     before = files_of(dataset)
     summary = fleet.label_maps(sites, dataset, maps_per_part=3)

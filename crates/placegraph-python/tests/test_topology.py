@@ -72,7 +72,7 @@ def test_without_a_way_there_is_an_error() -> None:
     two[5:55, 110:195] = 0
     topology = pg.label(pg.OccupancyGrid(two, resolution=0.1)).topology
     assert len(topology) == 2
-    with pytest.raises(pg.NoRouteError, match="there is no way from"):
+    with pytest.raises(pg.NoRouteError, match="there is no route from"):
         topology.route(1, 2)
 
 

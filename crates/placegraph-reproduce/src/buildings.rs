@@ -105,7 +105,7 @@ fn labeled_map(folder: &Path, labels: &str, name: &str) -> Result<LabeledMap> {
         LabelCell::Class(label) => Some(*label),
         LabelCell::None | LabelCell::Ignore => None,
     });
-    Ok(LabeledMap { name: name.to_owned(), grid, labels, window: None })
+    Ok(LabeledMap { name: name.to_owned(), grid, labels, window: None, building: None })
 }
 
 /// `labels` from column `first` on.

@@ -1,10 +1,11 @@
-//! The experiments of Sect. 4.8 on the maps that the chapter names, beside its figures.
+//! Repeats the experiments of Sect. 4.8 on the chapter's maps, and puts the results next to its figures.
 //!
 //! The chapter's setting is 100 rounds, temperature 1, 50 iterations and the corrections; the order of the decision list
 //! is chosen on held-out training cells. The best setting chooses rounds and temperature likewise, and marks narrow
 //! passages as doorways. No test cell has a part in any choice.
 
 mod buildings;
+mod data;
 mod errors;
 mod experiment;
 mod markdown;
@@ -25,7 +26,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail};
 use clap::Parser;
 use placegraph::export::overview_png;
 use placegraph::labels::LabelSet;
@@ -39,7 +40,7 @@ use self::results::{Curve, Drawings, Point, Published, Results, compare, painted
 use self::settings::Settings;
 use self::trial::{Made, Trial};
 
-/// Folder of the pictures, beside the page.
+/// Folder of the pictures, next to the page.
 const PICTURES: &str = "results";
 /// What people write about a run. The page points to it where it is there; it is never written.
 const REMARKS: &str = "results-remarks.md";
@@ -48,8 +49,8 @@ const REMARKS: &str = "results-remarks.md";
 #[derive(Debug, Parser)]
 #[command(version, about)]
 struct Arguments {
-    /// Folder with the maps: `fr79_slam`, `fr52_slam` and `sdr_b_slam`, each with `map.yaml`, its image and `labels.png`
-    data: PathBuf,
+    /// Folder with the maps: `fr79_slam`, `fr52_slam` and `sdr_b_slam`, each with `map.yaml`, its image and `labels.png`. Without it, where they come from
+    data: Option<PathBuf>,
     /// Folder for `results.md`, `results.json` and the pictures in `results/`; the page links to your own
     /// `results-remarks.md`, if that is there
     #[arg(short, long, value_name = "DIR", default_value = "reproduction")]
@@ -62,12 +63,15 @@ type Files = Vec<(String, Vec<u8>)>;
 /// Makes all experiments and writes page, numbers and pictures.
 fn main() -> Result<()> {
     let args = Arguments::parse();
-    ensure!(
-        args.data.is_dir(),
-        "expected a folder with the chapter's maps, found no folder {}",
-        args.data.display()
-    );
-    let buildings = load(&args.data, &CHAPTER)?;
+    let Some(data) = args.data else {
+        say(&data::guide(Path::new("")));
+        return Ok(());
+    };
+    if let Some(absent) = data::FILES.iter().find(|file| !data.join(file.path).is_file()) {
+        say(&data::guide(&data));
+        bail!("expected the chapter's maps in {}, {} is missing", data.display(), absent.path);
+    }
+    let buildings = load(&data, &CHAPTER)?;
     let (results, pictures) = reproduce(&buildings, &Settings::default())?;
     write(&results, pictures, &args.out)?;
     say(&format!("the experiments are in {}", args.out.join("results.md").display()));

@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn measures_of_four_cells() {
         let labels = |labels: [u8; 4]| Grid::from_rows(4, 1, labels.map(|k| Some(Label(k))).to_vec());
-        // Drawn c c d d, found c r d c: half is right; the last cell has no c beside it, the second no r.
+        // Drawn c c d d, found c r d c: half is right; the last cell has no c next to it, the second no r.
         let scores = compare(&labels([0, 1, 2, 0]), &labels([0, 0, 2, 2]));
         assert_eq!(measures(&scores), ["50.00 %", "50.00 %", "0.39", "1.00", "0.50"]);
         assert!(confusion(&scores).contains("| corridor | 1 | 1 | 0 |"));

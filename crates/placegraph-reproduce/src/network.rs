@@ -60,6 +60,7 @@ impl Sampled {
             grid: OccupancyGrid { frame, cells: Grid::from_rows(width, height, occupancy) },
             labels: Grid::from_rows(width, height, labels),
             window: None,
+            building: None,
         };
         Self { map, split: (building.split - first.x).div_ceil(stride), stride, first }
     }
@@ -167,7 +168,7 @@ mod tests {
         // Rows from the top: 0, 4; columns 2, 6. Height 6, so y = 5 and 1.
         let grid = OccupancyGrid::from_ascii(0.05, "..#....\n.......\n.......\n.......\n......#\n.......");
         let labels = grid.cells.map(|_| Some(Label(1)));
-        let map = LabeledMap { name: "drawn".into(), grid, labels, window: None };
+        let map = LabeledMap { name: "drawn".into(), grid, labels, window: None, building: None };
         let building = Building { title: "drawn", map, split: 3, second_drawing: None };
         let sampled = Sampled::new(&building, 4);
         let cells = &sampled.map.grid.cells;

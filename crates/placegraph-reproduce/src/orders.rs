@@ -128,7 +128,7 @@ fn held_out_accuracy(trained: &Trained, order: &[Label]) -> Option<f64> {
     orders.iter().find(|score| score.order == order).map(|score| score.accuracy)
 }
 
-/// The features that say most, class by class.
+/// The most informative features, class by class.
 pub(super) fn most_informative(trained: &Trained) -> Vec<ClassVotes> {
     let label_set = LabelSet::default();
     let of_class = |label: Label| {

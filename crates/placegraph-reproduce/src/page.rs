@@ -6,7 +6,7 @@ use super::markdown::{measures, percent, table, with_measures};
 use super::results::{Experiment, Results, Setting};
 use super::sections;
 
-/// The whole page; it points to `remarks` beside it, if there are any.
+/// The whole page; it links to `remarks` next to it, if there are any.
 pub(super) fn page(results: &Results, remarks: Option<&str>) -> String {
     let parts = [
         introduction(results, remarks),

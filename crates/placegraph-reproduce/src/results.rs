@@ -1,4 +1,4 @@
-//! What the experiments found: everything that the page and `results.json` tell.
+//! The results of the experiments: everything in the page and in `results.json`.
 
 use placegraph::eval::{CellScores, ClassScores, Confusion};
 use placegraph::grid::{Cell, Grid};
@@ -137,7 +137,7 @@ pub(super) struct Curve {
     pub(super) points: Vec<Point>,
 }
 
-/// The features that say most about a class.
+/// The most informative features of a class.
 #[derive(Debug, Serialize)]
 pub(super) struct ClassVotes {
     pub(super) class: String,

@@ -210,7 +210,7 @@ pub(super) fn iterations(results: &Results) -> String {
     text
 }
 
-/// The features that say most.
+/// The most informative features.
 pub(super) fn features(classes: &[ClassVotes]) -> String {
     let mut text =
         "## The most informative features\n\nBuilding 79, chapter's setting: sum of α over the stumps that \

@@ -54,12 +54,13 @@ impl Settings {
     pub(super) fn best(&self) -> TrainConfig {
         TrainConfig {
             rounds: Choice::Among(self.best_rounds.clone()),
+            scales: vec![1.0],
             max_cells_per_class: self.best_max_cells,
             ..TrainConfig::default()
         }
     }
 
-    /// `config` with at most so many training cells of a class as a network's list takes.
+    /// `config` with at most as many training cells per class as the list of a network uses.
     pub(super) fn thinned(&self, config: TrainConfig) -> TrainConfig {
         TrainConfig { max_cells_per_class: Some(self.max_cells), ..config }
     }

@@ -17,7 +17,7 @@ fn stops(grid: &OccupancyGrid, x: i64, y: i64, config: &ScanConfig) -> bool {
 
 /// The scan of `cell` by the traversal of Amanatides and Woo (1987), beam by beam, in meters.
 ///
-/// Through a corner of cells a beam goes on diagonally, unless both cells beside the corner stop it.
+/// Through a corner of cells a beam goes on diagonally, unless both cells next to the corner stop it.
 pub fn traverse(grid: &OccupancyGrid, cell: Cell, config: &ScanConfig) -> Vec<f64> {
     (0..N_BEAMS).map(|beam| traverse_beam(grid, cell, beam, config) * config.range_scale).collect()
 }

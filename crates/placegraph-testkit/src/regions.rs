@@ -138,3 +138,24 @@ fn smallest_wrong(
     }
     best.map(|(_, index, label)| (index, label))
 }
+
+/// The label of every region after every one of `islands` took that of the nearest nodes of the others, by the larger
+/// coordinate: of several labels that which most pairs of nodes have, then the lower one.
+pub fn labels_of_islands(graph: &CellGraph, regions: &RegionMap, islands: &[RegionId]) -> Vec<Label> {
+    let is_island = |id: RegionId| islands.contains(&id);
+    let cells = || graph.cells().iter().zip(&regions.region_of);
+    let label = |id: RegionId| regions.regions[id.index()].label;
+    let label_of_island = |island: RegionId| {
+        let mut pairs: Vec<(u32, Label)> = Vec::new();
+        for (here, _) in cells().filter(|(_, id)| **id == island) {
+            for (there, id) in cells().filter(|(_, id)| !is_island(**id)) {
+                pairs.push((here.x.abs_diff(there.x).max(here.y.abs_diff(there.y)), label(*id)));
+            }
+        }
+        let nearest = pairs.iter().map(|pair| pair.0).min()?;
+        let count = |label: Label| pairs.iter().filter(|pair| **pair == (nearest, label)).count();
+        (0..8).map(Label).rev().max_by_key(|&label| count(label))
+    };
+    let ids = (0..regions.regions.len() as u32).map(RegionId);
+    ids.map(|id| if is_island(id) { label_of_island(id).unwrap_or(label(id)) } else { label(id) }).collect()
+}

@@ -6,35 +6,36 @@ import { MapData } from "../../placegraph/assets/viewer/mapdata.js";
 import { FREE } from "../../placegraph/assets/viewer/layers.js";
 import { layerControls, legend, positionText, tipFor, toggleTheme, zoomControls } from "../../placegraph/assets/viewer/controls.js";
 import { isOnMap, LINE_TOOLS, lineEdit } from "./acts.js";
-import { Cancelled, Engine } from "./engine.js";
+import { cover, coverBusy, coverFailed, listenForDrops, say, showProgress } from "./covers.js";
+import { Cancelled, Engine, startWorker } from "./engine.js";
 import { EditPanel } from "./editlist.js";
-import { sizeOf, sorted } from "./files.js";
+import { decoded, sorted } from "./files.js";
 import { History } from "./history.js";
 import { LineTool } from "./linetool.js";
+import { PAINT_TOOLS } from "./painttool.js";
 import { PlacesPanel } from "./places.js";
+import { askResolution } from "./scaledialog.js";
 import { keepEdits, keepMap, keptEdits, keptMap } from "./store.js";
 import { Tabs } from "./tabs.js";
 import { download, TakePanel } from "./takealong.js";
-
-const STAGES = {
-  read: "Reading the map", classify: "Looking around from every free cell", doorways: "Finding doorways", spaces: "Telling rooms from corridors",
-  smooth: "Hearing the neighbors", correct: "Joining what belongs together", topology: "Building the graph",
-};
+import { Teach } from "./teach.js";
+import { Toolbar } from "./toolbar.js";
 
 const embedded = JSON.parse($("data").textContent);
 const viewer = new Viewer($("viewer"), { choose, hover });
 const state = { map: null, data: null, history: new History(), outcomes: [], text: "", formats: [], tool: null };
 const tabs = new Tabs($("tabs"), $("panels"), [
-  { id: "places", name: "Places" }, { id: "edits", name: "Edits" }, { id: "check", name: "Check" }, { id: "take", name: "Take along" },
-]);
-const places = new PlacesPanel(tabs.panel("places"), { choose: (place) => choose(place, true), edit: act, draw: useTool });
+  { id: "places", name: "Places" }, { id: "edits", name: "Edits" }, { id: "teach", name: "Teach" }, { id: "check", name: "Check" },
+  { id: "take", name: "Take along" },
+], showTab);
+const places = new PlacesPanel(tabs.panel("places"), { choose: (place) => choose(place, true), edit: act, draw: pickTool });
+const teach = new Teach(tabs.panel("teach"), {
+  viewer, call, say, map: () => state.map, data: () => state.data, edits: () => state.history.edits, useModel, work, toolsChanged: showTools,
+});
+const toolbar = new Toolbar($("tools"), pickTool);
 let edits = null;
 let take = null;
-const engine = new Engine(startWorker, (stage, done, total) => {
-  $("stage").textContent = STAGES[stage] ?? stage;
-  if (total) $("bar").value = done / total;
-  else $("bar").removeAttribute("value");
-});
+const engine = new Engine(startWorker, showProgress);
 
 function buildPanels() {
   for (const id of ["edits", "take"]) tabs.panel(id).replaceChildren();
@@ -46,28 +47,7 @@ function buildPanels() {
   take = new TakePanel(tabs.panel("take"), { files: exported, name: () => state.map.name });
 }
 
-function startWorker() {
-  const address = URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" }));
-  const worker = new Worker(address);
-  const packed = Uint8Array.from(atob($("library").textContent.trim()), (c) => c.charCodeAt(0));
-  worker.postMessage({ packed });
-  return worker;
-}
-
-const say = (text) => { $("status").textContent = text; };
-
-/** Shows one of the covers over the map, or none. */
-function cover(id) {
-  for (const other of ["empty", "busy", "failed"]) $(other).hidden = other !== id;
-}
-
-function fail(title, why) {
-  $("failed-what").textContent = title;
-  $("failed-why").textContent = why;
-  $("back").hidden = !state.data;
-  cover("failed");
-  ($("back").hidden ? $("again") : $("back")).focus();
-}
+const fail = (title, why) => coverFailed(title, why, Boolean(state.data));
 
 // Opening.
 
@@ -75,6 +55,7 @@ async function openFiles(list) {
   const files = await Promise.all([...list].map(async (file) => ({ name: file.name, file })));
   const found = sorted(files);
   if (found.error) return fail("Which map is it?", found.error);
+  if (found.model) return openModel(found.model.file);
   if (!found.main) return openEdits(found.edits.file);
   const read = await Promise.all(found.files.map(async ({ name, file }) => ({ name, bytes: await file.arrayBuffer() })))
     .catch((error) => fail("The file cannot be read", error.message));
@@ -103,30 +84,18 @@ async function openEdits(file) {
   return undefined;
 }
 
-/** Asks for meters per pixel; null if the user gives up. */
-function askResolution({ name, bytes }) {
-  const size = sizeOf(bytes);
-  const dialog = $("scale-dialog");
-  const show = () => {
-    const side = Number($("resolution").value);
-    $("extent").textContent = size && side > 0 ? `${name} would be ${(size[0] * side).toFixed(1)} × ${(size[1] * side).toFixed(1)} m.` : "";
-  };
-  show();
-  $("resolution").oninput = show;
-  dialog.returnValue = "";
-  dialog.showModal();
-  return new Promise((resolve) => {
-    dialog.onclose = () => resolve(dialog.returnValue === "ok" ? Number($("resolution").value) : null);
-  });
+async function openModel(file) {
+  const bytes = await file.arrayBuffer();
+  if (!state.data) return fail("A model needs a map", `Open a map first, then ${file.name}.`);
+  await work("Labeling with another model", () => useModel({ name: file.name, bytes }), (error) => fail(`${file.name} cannot be used`, error.message));
+  return undefined;
 }
 
 /** Opens a map; edits that the page kept for it come back, else those of the text `given` hold. */
 async function openMap(map, isRestored = false, given = null) {
-  cover("busy");
-  $("busy-what").textContent = map.files[0].name;
-  $("bar").removeAttribute("value");
-  $("cancel").focus();
+  coverBusy(map.files[0].name);
   const start = performance.now();
+  if (isRestored) teach.model = map.model ?? null;
   try {
     await load(map);
     const first = given ? (await engine.call({ op: "parse_edits", text: given })).edits : [];
@@ -134,7 +103,9 @@ async function openMap(map, isRestored = false, given = null) {
     state.isNew = true;
     buildPanels();
     await replay();
-    if (!isRestored) keepMap(map);
+    await teach.opened();
+    showTab(tabs.shown);
+    if (!isRestored) keepMap({ ...map, model: teach.model });
     sessionStorage.setItem("placegraph:open", "1");
     cover(null);
     say(`${state.map.name} is labeled: ${count(state.data.places.length, "place")}.`);
@@ -147,21 +118,53 @@ async function openMap(map, isRestored = false, given = null) {
 
 /** Gives the files to the library; the engine may be a new one. */
 async function load(map) {
+  await engine.call({ op: "use_model", name: teach.model?.name ?? null }, teach.model ? [teach.model.bytes] : []);
   const names = map.files.map(({ name }) => name);
-  // Copies: what is sent is gone, and a cancelled engine needs it again.
-  const answer = await engine.call({ op: "open", names, resolution_m: map.resolution_m }, map.files.map(({ bytes }) => bytes.slice(0)));
+  const answer = await engine.call({ op: "open", names, resolution_m: map.resolution_m }, map.files.map(({ bytes }) => bytes));
   state.map = { ...map, ...answer.map };
   state.loaded = engine.worker;
+}
+
+/** Asks the library about the open map. */
+async function call(request, bytes) {
+  if (engine.worker !== state.loaded || !engine.worker) await load(state.map);
+  return engine.call(request, bytes);
+}
+
+/** Long work under a cover, which can be cancelled. */
+async function work(title, act, onError = (error) => fail("This cannot be done", error.message)) {
+  coverBusy(title);
+  try {
+    await act();
+    cover(null);
+  } catch (error) {
+    cover(null);
+    if (error instanceof Cancelled) say("Stopped.");
+    else onError(error);
+  }
+}
+
+/** Labels with another model; null is the library's own. */
+async function useModel(model) {
+  const before = teach.model;
+  try {
+    teach.model = model;
+    await call({ op: "use_model", name: model?.name ?? null }, model ? [model.bytes] : []);
+    await replay();
+  } catch (error) {
+    teach.model = before;
+    throw error;
+  }
+  keepMap({ files: state.map.files, resolution_m: state.map.resolution_m, model });
 }
 
 // Showing.
 
 /** Has the library replay all edits, and shows what comes of it. */
 async function replay() {
-  if (engine.worker !== state.loaded || !engine.worker) await load(state.map);
-  const { answer, rasters } = await ask();
+  const { bytes: [occupancy, probability], ...answer } = await call({ op: "replay", edits: state.history.edits });
   Object.assign(state, { data: new MapData(answer.view), outcomes: answer.outcomes, text: answer.edits_toml, formats: answer.formats });
-  viewer.show(state.data, rasters);
+  viewer.show(state.data, occupancy ? { occupancy, probability } : {});
   if (state.isNew) {
     state.isNew = false;
     viewer.selected = places.selected = null;
@@ -173,12 +176,6 @@ async function replay() {
   showAll();
 }
 
-async function ask() {
-  const answer = await engine.call({ op: "replay", edits: state.history.edits });
-  const [occupancy, probability] = answer.bytes;
-  return { answer, rasters: occupancy ? { occupancy, probability } : {} };
-}
-
 function showAll() {
   const { data, history, outcomes } = state;
   for (const id of ["actions", "tools", "below", "side"]) $(id).hidden = false;
@@ -186,8 +183,8 @@ function showAll() {
   what.replaceChildren();
   element(what, "b", {}, state.map.name);
   what.append(` · ${data.width} × ${data.height} cells of ${data.resolution_m} m · ${data.places.reduce((sum, p) => sum + p.area_m2, 0).toFixed(0)} m² free`);
+  if (teach.model) what.append(` · labeled by ${teach.model.name}`);
   document.title = `${state.map.name} – placegraph`;
-  legend($("legend"), data, viewer.shown.probability);
   places.show(data);
   edits?.show(history.edits, outcomes, state.text);
   tabs.count("edits", history.edits.length);
@@ -198,8 +195,43 @@ function showAll() {
     const list = element(check, "ul", { class: "findings" });
     for (const finding of data.findings) element(list, "li", {}, finding);
   } else element(check, "p", { class: "fine" }, "The check of the map found nothing to report.");
-  $("undo").disabled = !history.canUndo;
-  $("redo").disabled = !history.canRedo;
+  teach.resultChanged();
+  showTools();
+}
+
+/** Whether the map is painted rather than mended. */
+const isTeaching = () => tabs.shown === "teach" && Boolean(teach.painting);
+
+function showTab(id) {
+  if (!state.data) return;
+  const isPainting = isTeaching();
+  if (state.isPainting !== isPainting) {
+    state.isPainting = isPainting;
+    toolbar.show(isPainting ? PAINT_TOOLS : LINE_TOOLS);
+    useTool(isPainting ? "brush" : "");
+  }
+  teach.show(id === "teach");
+  showTools();
+}
+
+/** What depends on whether the map is mended or painted. */
+function showTools() {
+  if (state.isPainting !== isTeaching()) return showTab(tabs.shown);
+  const steps = state.isPainting ? teach : state.history;
+  $("undo").disabled = !steps.canUndo;
+  $("redo").disabled = !steps.canRedo;
+  $("layers").hidden = Boolean(viewer.labels);
+  if (viewer.labels) teach.legend($("legend"));
+  else legend($("legend"), state.data, viewer.shown.probability);
+  return undefined;
+}
+
+/** Undoes or redoes a step of what the tab is about. */
+function step(isRedo) {
+  const steps = isTeaching() ? teach : state.history;
+  if (!(isRedo ? steps.canRedo : steps.canUndo)) return;
+  if (steps === teach) teach.undo(isRedo);
+  else change(() => (isRedo ? state.history.redo() : state.history.undo()));
 }
 
 /** A result without its map: to look at. */
@@ -212,6 +244,7 @@ function showResult(data) {
   places.on.edit = null;
   showAll();
   for (const id of ["actions", "tools"]) $(id).hidden = true;
+  tabs.panel("teach").replaceChildren(element(null, "p", { class: "fine" }, "This page shows a result. Open its map to paint on it."));
   tabs.panel("edits").replaceChildren(element(null, "p", { class: "fine" }, "This page shows a result. Open its map to mend it."));
   tabs.panel("take").replaceChildren(element(null, "p", { class: "fine" }, "Open the map to take its files along."));
   cover(null);
@@ -220,14 +253,15 @@ function showResult(data) {
 function choose(place, isSought = false) {
   if (isSought) viewer.select(place?.id ?? null, true);
   else viewer.select(place?.id ?? null);
-  if (place && !isSought) tabs.show("places");
+  if (place && !isSought && !isTeaching()) tabs.show("places");
   places.select(place?.id ?? null);
 }
 
 function hover(place, meters, event) {
   if (!state.data) return;
-  $("at").textContent = positionText(meters, state.data.frame) || "\u00a0";
-  tipFor(state.data, state.tool ? null : place, event);
+  const painted = meters && teach.nameAt(state.data.toCells(meters));
+  $("at").textContent = [positionText(meters, state.data.frame), painted].filter(Boolean).join(" · ") || "\u00a0";
+  tipFor(state.data, state.tool || viewer.labels ? null : place, event);
 }
 
 // Mending.
@@ -244,10 +278,7 @@ function change(how) {
     const chosen = state.data.byId.get(places.selected);
     how();
     const isSlow = JSON.stringify(state.history.edits.filter(isOnMap)) !== onMap;
-    if (isSlow) {
-      $("busy-what").textContent = "Labeling the changed map";
-      cover("busy");
-    }
+    if (isSlow) coverBusy("Labeling the changed map");
     try {
       await replay();
       // Numbers may change: what was chosen is what lies at the same point.
@@ -266,26 +297,34 @@ function change(how) {
 }
 
 function useTool(id) {
-  const tool = LINE_TOOLS.find((other) => other.id === id && state.tool !== id) ?? null;
+  const tools = state.isPainting ? PAINT_TOOLS : LINE_TOOLS;
+  const tool = tools.find((other) => other.id === id && state.tool !== id) ?? null;
+  viewer.tool?.end?.();
   state.tool = tool?.id ?? null;
-  viewer.tool = tool && new LineTool((ends) => drawn(tool.id, ends), say, {
-    jambs: () => state.data.places.flatMap((place) => place.jambs ?? []),
-    isFree: (x, y) => x >= 0 && y >= 0 && x < state.data.width && y < state.data.height
-      && viewer.occupancy?.values[y * state.data.width + x] === FREE,
-  });
+  viewer.tool = tool && (state.isPainting ? teach.tool(tool.id) : lineTool(tool.id));
   viewer.canvas.classList.toggle("drawing", Boolean(tool));
-  for (const button of $("tools").querySelectorAll("button")) {
-    button.setAttribute("aria-pressed", String((button.dataset.tool || null) === state.tool));
-  }
-  $("hint").textContent = tool ? `${tool.hint} Drag, or click twice; with the keyboard: arrows, Enter, arrows, Enter. Esc ends.` : "";
-  if (tool) viewer.canvas.focus();
+  const how = state.isPainting ? "" : " Drag, or click twice; with the keyboard: arrows, Enter, arrows, Enter. Esc ends.";
+  toolbar.select(state.tool, tool ? tool.hint + how : "");
   viewer.repaint();
 }
+
+/** As `useTool`, by somebody who draws next. */
+function pickTool(id) {
+  useTool(id);
+  if (state.tool) viewer.canvas.focus();
+}
+
+const lineTool = (id) => new LineTool((ends) => drawn(id, ends), say, {
+  jambs: () => state.data.places.flatMap((place) => place.jambs ?? []),
+  isFree: (x, y) => x >= 0 && y >= 0 && x < state.data.width && y < state.data.height
+    && viewer.occupancy?.values[y * state.data.width + x] === FREE,
+  nameAt: (at) => state.data.placeAt(at)?.name,
+});
 
 function drawn(action, ends) {
   const place = state.data.byId.get(places.selected);
   if (action === "move_doorway" && !(place && state.data.isDoorway(place))) {
-    $("hint").textContent = "Choose the doorway to move first, on the map or in the list.";
+    toolbar.hint("Choose the doorway to move first, on the map or in the list.");
     return;
   }
   act(lineEdit(action, ends.map((end) => state.data.toMeters(end)), place));
@@ -293,35 +332,19 @@ function drawn(action, ends) {
 
 /** What the program would write: the result and the chosen formats. */
 async function exported(formats) {
-  const answer = await engine.call({ op: "export", edits: state.history.edits, formats });
+  const answer = await call({ op: "export", edits: state.history.edits, formats });
   return { files: answer.files.map((name, i) => ({ name, bytes: answer.bytes[i] })), skipped: answer.skipped };
 }
 
 // Controls.
 
-function buildTools() {
-  const tools = [{ id: "", name: "Choose", key: "v" }, ...LINE_TOOLS];
-  for (const { id, name, key } of tools) {
-    element($("tools"), "button", {
-      type: "button", "data-tool": id, "aria-pressed": String(!id), "aria-keyshortcuts": key.toUpperCase(), onclick: () => useTool(id),
-    }, name, element(null, "kbd", { "aria-hidden": "true" }, key.toUpperCase()));
-  }
-  element($("tools"), "p", { class: "hint", id: "hint", role: "status" });
-  $("tools").addEventListener("keydown", (event) => {
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-    const buttons = [...$("tools").querySelectorAll("button")];
-    if (step) buttons[(buttons.indexOf(document.activeElement) + step + buttons.length) % buttons.length]?.focus();
-  });
-}
-
 function keys(event) {
-  if (!state.data || !$("busy").hidden || $("scale-dialog").open) return;
+  if (event.defaultPrevented || !state.data || !$("busy").hidden || $("scale-dialog").open) return;
   const key = event.key.toLowerCase();
   if ((event.ctrlKey || event.metaKey) && (key === "z" || key === "y")) {
     if (event.target.matches("input, textarea")) return;
     event.preventDefault();
-    const isRedo = key === "y" || event.shiftKey;
-    if (isRedo ? state.history.canRedo : state.history.canUndo) change(() => (isRedo ? state.history.redo() : state.history.undo()));
+    step(key === "y" || event.shiftKey);
     return;
   }
   if (event.ctrlKey || event.metaKey || event.altKey || event.target.matches("input, select, textarea")) return;
@@ -332,8 +355,9 @@ function keys(event) {
     tabs.show("places");
     $("find").focus();
   }
-  const tool = LINE_TOOLS.find((other) => other.key === key);
-  if (tool) useTool(tool.id);
+  if (state.isPainting && teach.key(key)) return;
+  const tool = (state.isPainting ? PAINT_TOOLS : LINE_TOOLS).find((other) => other.key === key);
+  if (tool) pickTool(tool.id);
 }
 
 function listen() {
@@ -345,38 +369,21 @@ function listen() {
   $("back").onclick = () => cover(null);
   $("cancel").onclick = () => engine.cancel();
   $("theme").onclick = () => toggleTheme(viewer);
-  $("undo").onclick = () => change(() => state.history.undo());
-  $("redo").onclick = () => change(() => state.history.redo());
+  $("undo").onclick = () => step(false);
+  $("redo").onclick = () => step(true);
   $("example").hidden = !embedded.example;
-  $("example").onclick = () => openMap({ files: embedded.example.map(({ name, base64 }) => ({ name, bytes: bytesOf(base64) })), resolution_m: null });
+  $("example").onclick = () => openMap({ files: decoded(embedded.example), resolution_m: null });
   addEventListener("keydown", keys);
-  addEventListener("dragover", (event) => {
-    event.preventDefault();
-    document.body.classList.add("is-over");
-    if (state.data && $("busy").hidden) cover("empty");
-  });
-  addEventListener("dragleave", (event) => {
-    if (event.relatedTarget) return;
-    document.body.classList.remove("is-over");
-    if (state.data && !$("empty").hidden) cover(null);
-  });
-  addEventListener("drop", (event) => {
-    event.preventDefault();
-    document.body.classList.remove("is-over");
-    if (state.data) cover(null);
-    if (event.dataTransfer.files.length && $("busy").hidden) openFiles(event.dataTransfer.files);
-  });
+  listenForDrops(() => Boolean(state.data), openFiles);
 }
-
-const bytesOf = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)).buffer;
 
 /** After a reload the map that was open comes back; on a new visit it is offered. */
 async function restore() {
   if (embedded.map) {
-    const files = embedded.map.files.map(({ name, base64 }) => ({ name, bytes: bytesOf(base64) }));
-    return openMap({ files, resolution_m: embedded.map.resolution_m }, true, embedded.map.edits);
+    return openMap({ files: decoded(embedded.map.files), resolution_m: embedded.map.resolution_m }, true, embedded.map.edits);
   }
   if (embedded.result) return showResult(new MapData(embedded.result));
+  engine.wake();
   const kept = await keptMap();
   if (!kept) return undefined;
   if (sessionStorage.getItem("placegraph:open")) return openMap(kept, true);
@@ -387,8 +394,7 @@ async function restore() {
 }
 
 // For the console, and for tests.
-globalThis.placegraph = { viewer, state };
+globalThis.placegraph = { viewer, state, teach, engine };
 zoomControls($("viewer"), viewer);
-buildTools();
 listen();
 restore();

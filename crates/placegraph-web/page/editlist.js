@@ -40,7 +40,7 @@ export class EditPanel {
     const kind = element(form, "select", { id: "line-kind", "aria-label": "What the line is" });
     for (const { id, name } of LINE_TOOLS) element(kind, "option", { value: id }, name);
     const fields = ["from x", "from y", "to x", "to y"].map((name) =>
-      element(element(form, "label", {}, `${name}, m `), "input", { type: "number", step: "any", required: true, "aria-label": `${name} in meters` }));
+      element(element(form, "label", {}, `${name}, m`), "input", { type: "number", step: "any", required: true, "aria-label": `${name} in meters` }));
     element(form, "button", { id: "line-add" }, "Draw");
     form.addEventListener("submit", (event) => {
       event.preventDefault();

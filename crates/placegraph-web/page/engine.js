@@ -1,12 +1,22 @@
 // The library on its worker thread: requests go out one after another, answers come back as promises.
 
+import { $ } from "../../placegraph/assets/viewer/dom.js";
+import { bytesOfText } from "./files.js";
+
+/** A worker with the library that the page brings. */
+export function startWorker() {
+  const worker = new Worker(URL.createObjectURL(new Blob([$("worker").textContent], { type: "text/javascript" })));
+  worker.postMessage({ packed: bytesOfText($("library").textContent) });
+  return worker;
+}
+
 /** The work was stopped by the user. */
 export class Cancelled extends Error {}
 
 export class Engine {
   /** `start`: makes a worker; `onProgress(stage, done, total)` hears where the work is. */
   constructor(start, onProgress = () => {}) {
-    Object.assign(this, { start, onProgress, worker: null, waiting: new Map(), next: 0 });
+    Object.assign(this, { start, onProgress, worker: null, waiting: new Map(), next: 0, memoryBytes: 0 });
   }
 
   /** Asks for `op`; `bytes` are moved to the worker. The answer has `bytes` where there are any. */
@@ -17,6 +27,11 @@ export class Engine {
       this.waiting.set(id, { resolve, reject });
       this.worker.postMessage({ id, request, bytes });
     });
+  }
+
+  /** Has the thread ready before it is asked. */
+  wake() {
+    this.worker ??= this.#launch();
   }
 
   /** Stops whatever runs. The next call starts on a new thread that knows nothing of the old one. */
@@ -39,6 +54,7 @@ export class Engine {
         this.onProgress(...data.progress);
         return;
       }
+      this.memoryBytes = data.memory ?? this.memoryBytes;
       const asked = this.waiting.get(data.id);
       this.waiting.delete(data.id);
       if (data.fatal) {

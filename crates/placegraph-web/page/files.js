@@ -3,10 +3,12 @@
 const extension = (name) => (/\.([^.]+)$/.exec(name)?.[1] ?? "").toLowerCase();
 const IMAGES = ["png", "pgm", "pnm", "pbm", "ppm", "bmp"];
 
-/** Sorts files by what they are: `{ main, files }` for a map, `edits` for an edit file, or `error`. */
+/** Sorts files by what they are: `{ main, files }` for a map, `edits` for an edit file, `model`, or `error`. */
 export function sorted(files) {
   const of = (...extensions) => files.filter(({ name }) => extensions.includes(extension(name)));
   const edits = of("toml")[0] ?? null;
+  const model = files.find(({ name }) => name.toLowerCase().endsWith(".model.json"));
+  if (model) return { model };
   const [yamls, images] = [of("yaml", "yml"), of(...IMAGES)];
   const others = files.filter((file) => ![...yamls, ...images, ...of("toml")].includes(file));
   if (yamls.length > 1) return { error: `${yamls.map(({ name }) => name).join(" and ")} are two maps: open one at a time.` };
@@ -25,4 +27,28 @@ export function sizeOf(bytes) {
   const head = new TextDecoder("latin1").decode(bytes.slice(0, 1024)).replace(/#[^\n]*\n/g, " ");
   const pnm = /^P[1-6]\s+(\d+)\s+(\d+)/.exec(head);
   return pnm ? [Number(pnm[1]), Number(pnm[2])] : null;
+}
+
+export const bytesOf = (base64) => Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)).buffer;
+
+/** Files that came inside of the page. */
+export const decoded = (files) => files.map(({ name, base64 }) => ({ name, bytes: bytesOf(base64) }));
+
+/** The bytes of text with seven bits a character; a backslash stands before what HTML would not leave as it is. */
+export function bytesOfText(text) {
+  const bytes = new Uint8Array(Math.floor((text.length * 7) / 8));
+  let [end, bits, nBits] = [0, 0, 0];
+  for (let at = 0; at < text.length; at += 1) {
+    let code = text.charCodeAt(at);
+    if (code === 0x5c) code = text.charCodeAt((at += 1)) ^ 64;
+    bits = (bits << 7) | code;
+    nBits += 7;
+    if (nBits >= 8) {
+      nBits -= 8;
+      bytes[end] = bits >>> nBits;
+      end += 1;
+      bits &= (1 << nBits) - 1;
+    }
+  }
+  return bytes.subarray(0, end);
 }

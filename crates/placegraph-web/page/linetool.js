@@ -1,7 +1,8 @@
 // Draws a line on the map, by dragging, by two clicks, or with the keyboard.
 
+import { Cursor } from "./cursor.js";
+
 const SNAP_PX = 12;
-const KEY_PX = 12;
 
 /** The point that `at` means: a jamb close by, else the closest cell that is not free, else itself. */
 export function snapped(at, jambs, isFree, reach) {
@@ -20,9 +21,10 @@ export function snapped(at, jambs, isFree, reach) {
 }
 
 export class LineTool {
-  /** `done(ends)` takes both ends in cells; `say(text)` speaks to a screen reader; `snaps`: `{ jambs(), isFree(x, y) }`. */
+  /** `done(ends)` takes both ends in cells; `say(text)` speaks to a screen reader; `snaps`: `{ jambs(), isFree(x, y), nameAt(at) }`. */
   constructor(done, say, snaps) {
-    Object.assign(this, { done, say, snaps, start: null, end: null, cursor: null, isDragging: false });
+    Object.assign(this, { done, say, snaps, start: null, end: null, isDragging: false });
+    this.cursor = new Cursor(say, snaps.nameAt);
   }
 
   #snap(at, viewer) {
@@ -32,7 +34,7 @@ export class LineTool {
   down(at, viewer) {
     const point = this.#snap(at, viewer);
     this.isDragging = true;
-    this.cursor = null;
+    this.cursor.at = null;
     if (this.start) this.isSecond = true;
     else this.start = point;
     this.end = point;
@@ -40,7 +42,7 @@ export class LineTool {
   }
 
   move(at, viewer) {
-    if (!this.start || this.cursor) return;
+    if (!this.start || this.cursor.at) return;
     this.end = this.#snap(at, viewer);
     viewer.repaint();
   }
@@ -58,21 +60,12 @@ export class LineTool {
       viewer.repaint();
       return true;
     }
-    const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-    const step = steps[event.key];
-    const length = (event.shiftKey ? 1 : KEY_PX) / viewer.camera.scale;
-    if (step) {
-      this.cursor ??= viewer.camera.toCells([viewer.width / 2, viewer.height / 2]);
-      this.cursor = [this.cursor[0] + step[0] * length, this.cursor[1] + step[1] * length];
-      if (this.start) this.end = this.cursor;
-      const [x, y] = viewer.data.toMeters(this.cursor);
-      this.say(`${x.toFixed(2)}, ${y.toFixed(2)} meters${viewer.data.placeAt(this.cursor) ? `, ${viewer.data.placeAt(this.cursor).name}` : ""}`);
-      viewer.repaint();
+    if (this.cursor.key(event, viewer)) {
+      if (this.start) this.end = this.cursor.at;
       return true;
     }
     if (event.key === "Enter" || event.key === " ") {
-      this.cursor ??= viewer.camera.toCells([viewer.width / 2, viewer.height / 2]);
-      const point = this.#snap(this.cursor, viewer);
+      const point = this.#snap(this.cursor.place(viewer), viewer);
       if (!this.start) {
         Object.assign(this, { start: point, end: point });
         this.say("first end set");
@@ -122,18 +115,6 @@ export class LineTool {
       dot(this.start, 5);
       dot(this.end, 5);
     }
-    if (this.cursor) {
-      const [x, y] = camera.toScreen(this.cursor);
-      for (const [width, style] of [[5, colors.halo], [2, colors.accent]]) {
-        context.lineWidth = width;
-        context.strokeStyle = style;
-        context.beginPath();
-        context.moveTo(x - 12, y);
-        context.lineTo(x + 12, y);
-        context.moveTo(x, y - 12);
-        context.lineTo(x, y + 12);
-        context.stroke();
-      }
-    }
+    this.cursor.paint(context, viewer);
   }
 }

@@ -46,6 +46,61 @@ export async function keptMap() {
   }
 }
 
+const paintingKey = (hash) => `painting:${hash}`;
+const PAINTED = "painted-map:";
+
+/** Keeps what was painted on the map with this hash, see `Painting.toKeep`. */
+export async function keepPainting(hash, painting) {
+  try {
+    await withTable("readwrite", (table) => table.put(painting, paintingKey(hash)));
+  } catch {
+    // It is still on the page.
+  }
+}
+
+export async function keptPainting(hash) {
+  try {
+    return (await withTable("readonly", (table) => table.get(paintingKey(hash)))) ?? null;
+  } catch {
+    return null;
+  }
+}
+
+/** Keeps a map that is painted on, so that others can be trained together with it: `{ hash, name, files, resolution_m }`. */
+export async function keepPaintedMap({ hash, name, files, resolution_m }) {
+  const size = files.reduce((sum, { bytes }) => sum + bytes.byteLength, 0);
+  if (size > MAX_KEPT_BYTES) return;
+  try {
+    await withTable("readwrite", (table) => table.put({ hash, name, files, resolution_m }, `${PAINTED}${hash}:${name}`));
+  } catch {
+    // The map can be trained on while it is open.
+  }
+}
+
+/** Hashes and names of all maps that were painted on. */
+export async function paintedMaps() {
+  try {
+    const keys = await withTable("readonly", (table) => table.getAllKeys(IDBKeyRange.bound(PAINTED, `${PAINTED}\uffff`)));
+    return keys.map((key) => {
+      const [, hash, name] = /^painted-map:([^:]*):(.*)$/su.exec(key);
+      return { hash, name };
+    });
+  } catch {
+    return [];
+  }
+}
+
+/** A map that was painted on, and what was painted; null where either is gone. */
+export async function keptPaintedMap({ hash, name }) {
+  try {
+    const map = await withTable("readonly", (table) => table.get(`${PAINTED}${hash}:${name}`));
+    const painting = await keptPainting(hash);
+    return map && painting ? { map, painting } : null;
+  } catch {
+    return null;
+  }
+}
+
 const keyOf = (hash) => `placegraph:edits:${hash}`;
 
 export function keepEdits(hash, history) {

@@ -3,8 +3,8 @@
 import { element } from "../../placegraph/assets/viewer/dom.js";
 
 export class Tabs {
-  /** `tabs`: `{ id, name }`. */
-  constructor(list, panels, tabs) {
+  /** `tabs`: `{ id, name }`; `onShow(id)` is called when another is shown. */
+  constructor(list, panels, tabs, onShow) {
     this.tabs = new Map();
     for (const { id, name } of tabs) {
       const button = element(list, "button", {
@@ -23,6 +23,7 @@ export class Tabs {
       this.tabs.get(next).button.focus();
     });
     this.show(tabs[0].id);
+    this.onShow = onShow;
   }
 
   panel(id) {
@@ -40,5 +41,6 @@ export class Tabs {
       button.tabIndex = other === id ? 0 : -1;
       panel.hidden = other !== id;
     }
+    this.onShow?.(id);
   }
 }

@@ -6,12 +6,12 @@ let instance = null;
 let told = 0;
 
 async function start(packed) {
-  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"));
-  const bytes = await new Response(stream).arrayBuffer();
-  const progress = (stage, done, total) => {
+  const bytes = unpacked(packed);
+  const progress = (at, length, done, total) => {
     const now = performance.now();
     if (done && done < total && now - told < TELL_EVERY_MS) return;
     told = now;
+    const stage = new TextDecoder().decode(new Uint8Array(instance.memory.buffer, at, length));
     postMessage({ progress: [stage, done, total] });
   };
   instance = (await WebAssembly.instantiate(bytes, { page: { progress } })).instance.exports;
@@ -59,7 +59,7 @@ function run({ id, request, bytes }) {
     instance.call();
     const { answer, bytes: blobs } = receive();
     if (answer.error) postMessage({ id, error: answer.error });
-    else postMessage({ id, answer, bytes: blobs }, blobs.map((blob) => blob.buffer));
+    else postMessage({ id, answer, bytes: blobs, memory: instance.memory.buffer.byteLength }, blobs.map((blob) => blob.buffer));
   } catch (error) {
     const words = error instanceof RangeError ? "the browser gives no more memory" : panicText() || String(error.message ?? error);
     postMessage({ id, fatal: words });

@@ -3,6 +3,7 @@
 //!
 //! Memory is only ever touched by its owner: the page writes into a vector that Rust lent, before Rust reads it.
 #![expect(unsafe_code, reason = "names of exported functions, and the one function that the page gives")]
+#![cfg_attr(target_family = "wasm", allow(unreachable_pub, reason = "the page calls these functions"))]
 
 use std::cell::RefCell;
 use std::sync::Once;
@@ -14,7 +15,7 @@ use crate::session::Session;
 
 #[link(wasm_import_module = "page")]
 unsafe extern "C" {
-    /// Tells where the work is: the name of the stage, as place and length in memory, and how much of it is done.
+    /// Reports progress: the name of the stage, as position and length in memory, and the finished share of it.
     safe fn progress(stage: *const u8, length: usize, done: usize, total: usize);
 }
 
@@ -66,7 +67,7 @@ pub extern "C" fn output_len() -> usize {
     OUTPUT.with_borrow(Vec::len)
 }
 
-/// Tells the page where the work is.
+/// Reports progress to the page.
 #[derive(Debug, Default)]
 struct Tell {
     stage: std::sync::Mutex<&'static str>,

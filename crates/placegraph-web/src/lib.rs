@@ -5,6 +5,7 @@
 //! | `interface` | four functions that the page's worker thread calls; compiled for WebAssembly only |
 //! | [`message`] | a request or an answer: JSON and byte strings in one block of memory |
 //! | [`session`] | the open map, and what can be asked of it: the same library calls as the program makes |
+//! | `teach` | painted maps as a training file, and the model that comes of them |
 //! | [`page`] | one HTML file of the page's modules, the viewer and the library |
 
 #[cfg(target_arch = "wasm32")]
@@ -14,3 +15,4 @@ pub mod message;
 pub mod page;
 mod result;
 pub mod session;
+mod teach;

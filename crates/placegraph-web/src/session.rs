@@ -3,9 +3,11 @@
 //! Every answer is made by the library calls that the program makes with the same map, model and edit file, so that both
 //! write the same bytes.
 
-use placegraph::export::{FORMATS, Format, ReportInput, view_json, view_occupancy, view_probability};
+use placegraph::export::{
+    FORMATS, Format, ReportInput, view_json, view_labels, view_occupancy, view_probability,
+};
 use placegraph::grid::{Grid, GridShape, Occupancy, OccupancyGrid};
-use placegraph::import::{LoadedMap, ReadOptions, load_map_from};
+use placegraph::import::{LoadedMap, load_map_from};
 use placegraph::model::Model;
 use placegraph::pipeline::{self, Analysis, Recognized};
 use placegraph::progress::Progress;
@@ -14,10 +16,8 @@ use serde::Deserialize;
 use serde_json::{Value, json};
 
 use crate::message::{Message, block};
-use crate::result::{ResultOf, probabilities};
-
-/// Most cells of a map that a browser labels: WebAssembly has 4 GB of memory.
-const MAX_CELLS: u64 = 36_000_000;
+use crate::result::{EDITS, NamedModel, ResultOf, config, read_options};
+use crate::teach::{Painted, TrainingSet};
 
 /// What can be asked.
 #[derive(Debug, Deserialize)]
@@ -31,15 +31,33 @@ enum Request {
     Replay { edits: Vec<Edit> },
     /// The files of the result with these edits, and of these formats.
     Export { edits: Vec<Edit>, formats: Vec<String> },
+    /// The class of every cell with these edits, numbered from 1; 0 for cells without one.
+    Labels { edits: Vec<Edit> },
+    /// The training file of painted maps and what it names; with folders, the files of the maps too.
+    TrainingFiles {
+        #[serde(flatten)]
+        painted: Painted,
+        has_folders: bool,
+    },
+    /// Trains a model on painted maps.
+    Train {
+        #[serde(flatten)]
+        painted: Painted,
+        max_cells_per_class: usize,
+    },
+    /// Labels with the model in the byte string from now on; without a name, with the library's own.
+    UseModel { name: Option<String> },
 }
 
 /// An answer: an object, and byte strings.
-type Answer = (Value, Vec<Vec<u8>>);
+pub(crate) type Answer = (Value, Vec<Vec<u8>>);
 
 /// The state between two requests.
 #[derive(Debug, Default)]
 pub struct Session {
     opened: Option<Opened>,
+    /// The model to label with, if it is not the library's own.
+    model: Option<NamedModel>,
 }
 
 /// The map that is open.
@@ -47,7 +65,7 @@ pub struct Session {
 struct Opened {
     map: LoadedMap,
     resolution_m: Option<f64>,
-    model: Model,
+    model: NamedModel,
     /// The map as it is, and as the last edits drew it, with their regions: other edits are replayed on these at once.
     recognized: Vec<(OccupancyGrid, Recognized)>,
     /// The last edits and what came of them.
@@ -76,6 +94,16 @@ impl Session {
             }
             Request::Replay { edits } => self.opened()?.replay(edits, progress),
             Request::Export { edits, formats } => self.opened()?.export(edits, &formats, progress),
+            Request::Labels { edits } => self.opened()?.labels(edits, progress),
+            Request::TrainingFiles { painted, has_folders } => {
+                let set = TrainingSet::new(&painted, &message.blobs, has_folders)?;
+                let (names, blobs): (Vec<String>, Vec<Vec<u8>>) = set.files().into_iter().unzip();
+                Ok((json!({ "files": names }), blobs))
+            }
+            Request::Train { painted, max_cells_per_class } => {
+                TrainingSet::new(&painted, &message.blobs, true)?.train(max_cells_per_class, progress)
+            }
+            Request::UseModel { name } => self.use_model(name, &message.blobs),
         }
     }
 
@@ -91,20 +119,35 @@ impl Session {
     ) -> Result<Answer, String> {
         self.opened = None;
         let files: Vec<(&str, &[u8])> = names.iter().map(String::as_str).zip(blobs.iter().copied()).collect();
-        let (main, _) = files.first().ok_or("expected a map, found no file")?;
-        let options = ReadOptions { resolution_m, max_cells: MAX_CELLS, ..ReadOptions::default() };
-        let map = load_map_from(main, &files, &options).map_err(in_words)?;
+        let map = load(&files, resolution_m)?;
         let answer = json!({ "map": { "name": map.name, "hash": map.hash } });
-        self.opened = Some(Opened {
-            map,
-            resolution_m,
-            model: Model::builtin(),
-            recognized: Vec::new(),
-            last: None,
-            pictured: None,
-        });
+        let model = self.model.clone().unwrap_or_else(NamedModel::builtin);
+        self.opened =
+            Some(Opened { map, resolution_m, model, recognized: Vec::new(), last: None, pictured: None });
         Ok((answer, Vec::new()))
     }
+
+    fn use_model(&mut self, name: Option<String>, blobs: &[&[u8]]) -> Result<Answer, String> {
+        let named = |name| {
+            let bytes = blobs.first().ok_or("expected a model, found no file")?;
+            Ok::<_, String>(NamedModel { name, model: Model::from_json(bytes).map_err(in_words)? })
+        };
+        self.model = name.map(named).transpose()?;
+        let model = self.model.clone().unwrap_or_else(NamedModel::builtin);
+        let answer = json!({ "name": model.name, "classes": model.model.label_set.classes() });
+        if let Some(opened) = &mut self.opened {
+            opened.model = model;
+            opened.recognized.clear();
+            (opened.last, opened.pictured) = (None, None);
+        }
+        Ok((answer, Vec::new()))
+    }
+}
+
+/// Reads the map of `files`, the main one first, within what a browser can label.
+pub(crate) fn load(files: &[(&str, &[u8])], resolution_m: Option<f64>) -> Result<LoadedMap, String> {
+    let (main, _) = files.first().ok_or("expected a map, found no file")?;
+    load_map_from(main, files, &read_options(resolution_m)).map_err(in_words)
 }
 
 /// An error and what caused it.
@@ -128,7 +171,8 @@ impl Opened {
             return;
         }
         let Self { map, model, recognized, .. } = self;
-        let config = pipeline::Config { edits, ..pipeline::Config::default() };
+        let config = config(edits);
+        let model = &model.model;
         let analysis = pipeline::analyze_with(&map.grid, model, &config, progress, &mut |grid| {
             if let Some((_, kept)) = recognized.iter().find(|(of, _)| of == grid) {
                 return kept.clone();
@@ -150,12 +194,13 @@ impl Opened {
         self.analyze(edits, progress);
         let (_, analysis) = self.last.as_ref().ok_or("expected an analysis")?;
         let result = self.result_of(analysis, &edits_toml);
-        let (document, grid) = (result.document(&[]), result.grid());
+        let labeled = result.labeled();
+        let (document, grid) = (result.document(&[]), labeled.grid());
         let view = view_json(&ReportInput {
             title: &self.map.name,
             frame_id: &document.map.frame_id,
             map: &document.topology(),
-            labels: &self.model.label_set,
+            labels: &self.model.model.label_set,
             shape: &GridShape::of(&self.map.grid),
             occupancy: None,
             probability: None,
@@ -173,13 +218,21 @@ impl Opened {
             "outcomes": outcomes,
             "edits_toml": edits_toml,
             "formats": formats.collect::<Vec<_>>(),
+            "model": self.model.name,
         });
         let mut pictures = Vec::new();
         if self.pictured.as_ref() != Some(&grid.cells) {
-            pictures = vec![view_occupancy(&grid.cells), view_probability(&probabilities(analysis))];
+            pictures = vec![view_occupancy(&grid.cells), view_probability(&labeled.probability())];
             self.pictured = Some(grid.cells.clone());
         }
         Ok((answer, pictures))
+    }
+
+    fn labels(&mut self, edits: Vec<Edit>, progress: &dyn Progress) -> Result<Answer, String> {
+        self.analyze(edits, progress);
+        let (_, analysis) = self.last.as_ref().ok_or("expected an analysis")?;
+        let labels = view_labels(&analysis.space.graph, &analysis.labeling);
+        Ok((json!({ "classes": self.model.model.label_set.classes() }), vec![labels]))
     }
 
     fn export(
@@ -196,7 +249,7 @@ impl Opened {
         let (_, analysis) = self.last.as_ref().ok_or("expected an analysis")?;
         let (document, mut files) = self.result_of(analysis, &edits_toml).files(&formats)?;
         if !edits_toml.is_empty() {
-            files.push(("edits.toml".to_owned(), edits_toml.into_bytes()));
+            files.push((EDITS.to_owned(), edits_toml.into_bytes()));
         }
         let (names, blobs): (Vec<String>, Vec<Vec<u8>>) = files.into_iter().unzip();
         Ok((json!({ "files": names, "skipped": document.skipped }), blobs))
@@ -286,5 +339,52 @@ mod tests {
         assert_eq!(n_pictures(&mut session, &json!([])), 0);
         assert_eq!(n_pictures(&mut session, &wall), 2);
         assert_eq!(n_pictures(&mut session, &json!([])), 2);
+    }
+
+    #[test]
+    fn labels_are_those_of_the_result() {
+        let mut session = opened();
+        let (answer, labels) = ask(&mut session, json!({ "op": "labels", "edits": [] }), &[]);
+        assert_eq!(answer["classes"][2]["name"], "doorway");
+        let (names, files) = ask(&mut session, json!({ "op": "export", "edits": [], "formats": [] }), &[]);
+        let names = names["files"].as_array().cloned().unwrap_or_default();
+        let png = names.iter().position(|name| name == "labels.png").map(|at| files[at].as_slice());
+        let mut reader =
+            png::Decoder::new(std::io::Cursor::new(png.unwrap_or_default())).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap_or_default()];
+        reader.next_frame(&mut pixels).unwrap();
+        assert!(labels[0] == pixels && pixels.contains(&3));
+    }
+
+    #[test]
+    fn a_trained_model_labels_from_then_on_until_the_own_one_is_back() {
+        let mut session = opened();
+        let (_, labels) = ask(&mut session, json!({ "op": "labels", "edits": [] }), &[]);
+        let classes = json!([
+            { "name": "hall", "role": "passage", "color": [1, 2, 3] },
+            { "name": "office", "role": "place", "color": [4, 5, 6] },
+            { "name": "gap", "role": "doorway", "color": [7, 8, 9] },
+        ]);
+        let maps = json!([{ "names": ["map.yaml", "map.png"], "resolution_m": null }]);
+        let train = json!({ "op": "train", "maps": maps, "classes": classes, "max_cells_per_class": 20 });
+        let (report, model) = ask(&mut session, train, &[YAML.to_vec(), IMAGE.to_vec(), labels[0].clone()]);
+        assert!(report["held_out"]["accuracy"].as_f64().is_some_and(|share| share > 0.5), "{report}");
+        let classes_with = |session: &mut Session, model: &[Vec<u8>], name: Value| {
+            let (answer, _) = ask(session, json!({ "op": "use_model", "name": name }), model);
+            assert!(answer["error"].is_null(), "{answer}");
+            let (answer, pictures) = ask(session, json!({ "op": "replay", "edits": [] }), &[]);
+            assert_eq!(pictures.len(), 2);
+            (answer["view"]["classes"][0]["name"].clone(), answer["model"].clone())
+        };
+        assert_eq!(
+            classes_with(&mut session, &model, json!("own.model.json")),
+            (json!("hall"), json!("own.model.json"))
+        );
+        assert_eq!(classes_with(&mut session, &[], Value::Null), (json!("corridor"), json!("default")));
+        let (answer, _) = ask(&mut session, json!({ "op": "use_model", "name": "x" }), &[b"{}".to_vec()]);
+        assert!(
+            answer["error"]["message"].as_str().is_some_and(|message| message.contains("model")),
+            "{answer}"
+        );
     }
 }

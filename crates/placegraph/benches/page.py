@@ -188,7 +188,7 @@ def bits_share(m, kind):
 
 
 def targets(m):
-    lines = ["| stage | target | measured | yardstick of the same run | of the limit |", "|---|---|---|---|---|"]
+    lines = ["| stage | target | measured | comparison, same run | share of the limit |", "|---|---|---|---|---|"]
 
     def add(*cells):
         lines.append("| " + " | ".join(cells) + " |")
@@ -198,27 +198,27 @@ def targets(m):
         own = per_cell(m.get("rays", kind))
         add(f"rays, exact, {name}", "0.5 G rays/s and core" if kind == "Widest" else "",
             cell(own and 1e-3 / own, "{:.2f}", " G rays/s"),
-            cell(ratio(plain_rays, own), "{:.0f}", " x the scalar traversal"), cell(bits_share(m, kind), "{:.0f}", " % of operations on bits"))
+            cell(ratio(plain_rays, own), "{:.0f}", " times as fast as the scalar traversal"), cell(bits_share(m, kind), "{:.0f}", " % (bit operations)"))
     plain = per_cell(m.get("203 features", "plain formulas"))
     for group, pairs in [("203 features", PAIRS_PER_BEAM), ("all features", PAIRS_PER_BEAM), ("default model", None)]:
         for kind, name in KINDS.items():
             own = per_cell(m.get(group, kind))
             twin = per_cell(m.get(group, "plain formulas"))
             add(f"{group}, scans included, {name}",
-                "5 µs a cell and core" if (group, kind) == ("203 features", "Widest") else "",
-                cell(own, "{:.2f}", " µs a cell"), cell(ratio(twin, own), "{:.0f}", " x the plain formulas"),
-                cell(of_limit(m, kind, own, pairs) if pairs else None, "{:.0f}", " %") if pairs else "")
+                "5 µs per cell and core" if (group, kind) == ("203 features", "Widest") else "",
+                cell(own, "{:.2f}", " µs per cell"), cell(ratio(twin, own), "{:.0f}", " times as fast as the plain formulas"),
+                cell(of_limit(m, kind, own, pairs) if pairs else None, "{:.0f}", " % (multiply-add pairs)") if pairs else "")
     add("start-up (`placegraph --version`)", "10 ms", cell(m.start and m.start * 1e3, "{:.1f}", " ms"), "", "")
     features = per_cell(m.get("default model", "Widest"))
     for row in m.program:
         target = {"fr79": "0.5 s wall", "tiled, 120 x 90": "0.05 s wall", "tiled, 1160 x 870": "labels 2 s, all outputs 3 s wall"}
         target = target.get(row["name"], "")
         stages = row["stages"]
-        labels = sum(stages.get(name, 0) for name in ["classify", "smooth", "correct"])
+        labels = sum(ms for name, ms in stages.items() if name not in ["edits", "topology", "identity"])
         add(f"`map`, {row['name']}: {row['free'] / 1e3:.0f} k free cells", target,
             f"{brief(row['wall'])} wall (labels {brief(labels / 1e3)}), {brief(row['cpu'])} processor",
             ", ".join(f"{name} {brief(ms / 1e3)}" for name, ms in stages.items()),
-            cell(features and 100 * features * 1e-6 * row["free"] / row["cpu"], "{:.0f}", " % scans and features, at the pace above"))
+            cell(features and 100 * features * 1e-6 * row["free"] / row["cpu"], "{:.0f}", " % is scans and features, at the speed above"))
     relaxation(m, add)
     boosting(m, add)
     expansion(m, add)
@@ -226,9 +226,9 @@ def targets(m):
     own = min((row["peak"] for row in m.program), default=0)
     for row in m.program:
         if row["cells"] > 1e6:
-            add(f"memory of `map`, {row['name']}", "40 bytes a cell beyond the map",
-                f"{row['peak'] / 2**20:.0f} MiB at {row['cells'] / 1e6:.1f} M cells: {row['peak'] / row['cells']:.0f} bytes a cell, "
-                f"{(row['peak'] - own) / row['cells'] - 1:.0f} beyond the map and what the smallest map takes",
+            add(f"memory of `map`, {row['name']}", "40 bytes per cell in addition to the map",
+                f"{row['peak'] / 2**20:.0f} MiB at {row['cells'] / 1e6:.1f} M cells: {row['peak'] / row['cells']:.0f} bytes per cell, "
+                f"{(row['peak'] - own) / row['cells'] - 1:.0f} without the map and what the smallest map takes",
                 "", "")
     return lines
 
@@ -236,70 +236,70 @@ def targets(m):
 def relaxation(m, add):
     for labels in (3, 4):
         of = {f: v for (g, f, _), v in m.rows.items() if g == f"relaxation, {labels} labels"}
-        for threads, target in [("all threads", "3 x the memory bound"), ("one thread", "")]:
+        for threads, target in [("all threads", "3 times the memory bound"), ("one thread", "")]:
             row, memory = of.get(threads), m.memory(threads)
             bound = memory and row and row[1] * labels * 8 / memory
             add(f"relaxation, {labels} labels, {threads}", target,
-                cell(row and row[0] / row[1] * 1e9, "{:.2f}", " ns a cell and iteration"),
-                cell(ratio(per_cell(of.get("plain twin")), per_cell(row)), "{:.0f}", " x the plain twin"),
-                cell(bound and row[0] / bound, "{:.1f}", " x the memory bound"))
+                cell(row and row[0] / row[1] * 1e9, "{:.2f}", " ns per cell and iteration"),
+                cell(ratio(per_cell(of.get("plain twin")), per_cell(row)), "{:.0f}", " times as fast as the plain twin"),
+                cell(bound and row[0] / bound, "{:.1f}", " times the memory bound"))
 
 
 def boosting(m, add):
     name = "rounds: 101, 65k x 203, 3 classes"
     own = m.rows.get(("boost", name, None))
-    peers = [f"{seconds / own[0]:.1f} x as long: {peer}" for (stage, peer, _), seconds in m.peers.items()
+    peers = [f"{peer}: {seconds / own[0]:.1f} times our time" for (stage, peer, _), seconds in m.peers.items()
              if own and stage == "boosting"]
     memory = m.memory("all threads")
-    add("boosting, 65 k x 203, 101 rounds, 3 classes", "2 x LightGBM with stumps", cell(own and own[0], "{:.2f}", " s"),
+    add("boosting, 65 k x 203, 101 rounds, 3 classes", "twice as fast as LightGBM with stumps", cell(own and own[0], "{:.2f}", " s"),
         "<br>".join(peers) or "not run",
-        cell(own and memory and 100 * 101 * 203 * 65e3 / memory / own[0], "{:.1f}", " % of a byte a value and round from memory"))
+        cell(own and memory and 100 * 101 * 203 * 65e3 / memory / own[0], "{:.1f}", " % (reading a byte per value and round)"))
 
 
 def expansion(m, add):
     for name in ["Four, reward 40", "Eight, reward 40"]:
         for size, seconds, _ in m.series("alpha-expansion", name)[1:]:
-            peers = [f"{other / seconds:.1f} x as long: {peer}" for (stage, peer, n), other in m.peers.items()
+            peers = [f"{peer}: {other / seconds:.1f} times our time" for (stage, peer, n), other in m.peers.items()
                      if (stage, n) == (f"alpha-expansion, {name}", size)]
             add(f"alpha-expansion, {size / 1e3:.0f} k nodes, {name}", "faster, energy not higher", f"{seconds:.3f} s",
                 "<br>".join(peers) or "not run",
-                cell(m.memory() and 100 * size * 8 / m.memory() / seconds, "{:.2g}", " % of one pass over memory"))
+                cell(m.memory() and 100 * size * 8 / m.memory() / seconds, "{:.2g}", " % (one pass over memory)"))
 
 
 def components(m, add):
     for size, seconds, _ in m.series("stages", "regions"):
         twin, other = m.get("stages", "regions, flood fill", size), m.get("stages", "regions, imageproc", size)
-        peers = [f"{other / seconds:.1f} x as long: {peer}" for (stage, peer, n), other in m.peers.items()
+        peers = [f"{peer}: {other / seconds:.1f} times our time" for (stage, peer, n), other in m.peers.items()
                  if (stage, n) == ("regions", size)]
-        yardsticks = [f"{twin[0] / seconds:.1f} x as long: flood fill", f"{other[0] / seconds:.1f} x as long: imageproc"]
+        yardsticks = [f"flood fill: {twin[0] / seconds:.1f} times our time", f"imageproc: {other[0] / seconds:.1f} times our time"]
         bound = m.memory() and size * 8 / m.memory()
         add(f"connected components, {size / 1e3:.0f} k cells", "",
-            f"{seconds * 1e3:.1f} ms, {seconds / size * 1e9:.1f} ns a cell",
-            "<br>".join(yardsticks + peers), cell(bound and 100 * bound / seconds, "{:.0f}", " % of one pass over memory"))
+            f"{seconds * 1e3:.1f} ms, {seconds / size * 1e9:.1f} ns per cell",
+            "<br>".join(yardsticks + peers), cell(bound and 100 * bound / seconds, "{:.0f}", " % (one pass over memory)"))
     large = [m.rows.get(("16 M cells", name, None)) for name in ["connected", "properties", "outlines", "topological map, routes and all"]]
     if all(large):
         connected, statistics, outlines, topology = (row[0] for row in large)
-        peers = [f"{other / connected:.1f} x as long: {peer}" for (stage, peer, n), other in m.peers.items()
+        peers = [f"{peer}: {other / connected:.1f} times our time" for (stage, peer, n), other in m.peers.items()
                  if stage == "regions" and n > 4e6]
         add("connected components, statistics, polygons, 16 M cells", "1 s", f"{connected + statistics + outlines:.2f} s: components "
-            f"{connected:.2f} s, statistics {statistics:.2f} s, outlines {outlines:.2f} s; routes and all else too {connected + topology:.2f} s",
+            f"{connected:.2f} s, statistics {statistics:.2f} s, outlines {outlines:.2f} s; with routes and everything else {connected + topology:.2f} s",
             "<br>".join(peers) or "not run",
-            cell(m.memory() and 100 * 16e6 * 8 / m.memory() / connected, "{:.0f}", " % of one pass over memory"))
+            cell(m.memory() and 100 * 16e6 * 8 / m.memory() / connected, "{:.0f}", " % (one pass over memory)"))
 
 
 def stage_table(m):
     names = sorted({f for g, f, _ in m.rows if g == "stages"})
     sizes = [size for size, *_ in m.series("stages", "regions")]
-    lines = ["| stage, all threads where it has them | " + " | ".join(f"{size / 1e3:.0f} k cells" for size in sizes)
-             + " | of one pass over memory | beside it, the largest map |", "|---|" + "---|" * (len(sizes) + 2)]
+    lines = ["| stage, on all threads where it uses them | " + " | ".join(f"{size / 1e3:.0f} k cells" for size in sizes)
+             + " | share of one pass over memory | comparison on the largest map |", "|---|" + "---|" * (len(sizes) + 2)]
     for name in (name for name in names if ", " not in name):
         rows = [m.get("stages", name, size) for size in sizes]
         largest = rows[-1] if rows else None
         twins = [(twin.split(", ", 1)[1], m.get("stages", twin, sizes[-1])) for twin in names if twin.startswith(name + ", ")]
-        beside = [f"{ratio(row[0], largest[0]):.1f} x as long: {twin}" for twin, row in twins if row and largest]
+        others = [f"{twin}: {ratio(row[0], largest[0]):.1f} times our time" for twin, row in twins if row and largest]
         share = m.memory() and largest and 100 * largest[1] * 8 / m.memory() / largest[0]
-        lines.append(f"| {name} | " + " | ".join(cell(row and row[0] / row[1] * 1e9, "{:.1f}", " ns a cell") for row in rows)
-                     + f" | {cell(share, '{:.2g}', ' %')} | {'<br>'.join(beside)} |")
+        lines.append(f"| {name} | " + " | ".join(cell(row and row[0] / row[1] * 1e9, "{:.1f}", " ns per cell") for row in rows)
+                     + f" | {cell(share, '{:.2g}', ' %')} | {'<br>'.join(others)} |")
     return lines
 
 
@@ -311,13 +311,13 @@ def pictures(m):
                                    ("stages", "regions", "connected components"),
                                    ("stages", "overview.png", "overview.png"), ("analyze", "tiled", "analyze, all threads")]:
         curves[label] = [(size, seconds / size * 1e9) for size, seconds, _ in m.series(group, function)]
-    (DOCS / "images/cost-by-size.svg").write_text(plots.lines(curves, "free cells", "ns a cell"))
+    (DOCS / "images/cost-by-size.svg").write_text(plots.lines(curves, "free cells", "ns per cell"))
     size = max([size for size, *_ in m.series("stages", "regions")][:2], default=0)
     bars = [(name, row[0] / row[1] * 1e9) for name in ["graph", "doorways", "spaces", "regions", "region statistics",
             "topology and outlines", "labels.png", "overview.png"] if (row := m.get("stages", name, size))]
     if row := m.get("default model", "Widest"):
         bars.insert(1, ("scans and features", row[0] / row[1] * 1e9))
-    (DOCS / "images/time-by-stage.svg").write_text(plots.bars(bars, "ns a cell"))
+    (DOCS / "images/time-by-stage.svg").write_text(plots.bars(bars, "ns per cell"))
 
 
 def cpu_name():
@@ -338,10 +338,10 @@ def main():
              if m.rate("multiply and add", kind)]
     bits = [f"{name} {m.rate('bits', kind) * 1e-9:.0f} G" for kind, name in KINDS.items() if m.rate("bits", kind)]
     memory = m.memory()
-    part = [f"Measured on {time.strftime('%d %B %Y')}, {os.cpu_count()} cores of a shared {cpu_name()}; the best of all samples.",
-            f"While this page was made, {os.getloadavg()[2]:.0f} processes at a time wanted these cores (a mean of 15 minutes).",
-            f"Limits of one core in the same run: {', '.join(rates)} single-precision multiplications with an addition a second; {', '.join(bits)} operations on words of 64 bits"
-            + (f"; {memory * 1e-9:.1f} GB/s from and to memory on one thread, {m.memory('all threads') * 1e-9:.1f} on all."
+    part = [f"Measured on {time.strftime('%d %B %Y')}, {os.cpu_count()} cores of a shared {cpu_name()}. Every figure is the best of all samples.",
+            f"Load average of the last 15 minutes of the run: {os.getloadavg()[2]:.0f}.",
+            f"Limits of one core in the same run: {', '.join(rates)} multiply-add pairs in single precision per second; {', '.join(bits)} operations on 64-bit words per second"
+            + (f"; {memory * 1e-9:.1f} GB/s read and written on one thread, {m.memory('all threads') * 1e-9:.1f} GB/s on all."
                if memory else "."), "", *targets(m), "",
             "![Cost by size](images/cost-by-size.svg)", "", "![Time by stage](images/time-by-stage.svg)", "", *stage_table(m)]
     page = DOCS / "performance.md"

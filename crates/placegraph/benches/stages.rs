@@ -91,12 +91,12 @@ fn stages(criterion: &mut Criterion) {
         bench("region statistics, cell by cell", &|| drop(twins::statistics(graph, &regions)));
         bench("doorways", &|| {
             let config = DoorwayConfig::default();
-            drop(doorways::mark(&space, [&field; 2], &labeling, &set, &config));
+            drop(doorways::mark(&space, [&field; 2], &labeling, &set, &config, None));
         });
         bench("doorways, saddles alone by flooding (imageproc, petgraph)", &|| {
             std::hint::black_box(twins::flooded(&image));
         });
-        let label = |config| drop(spaces::label(&space, &field, &labeling, &set, &config));
+        let label = |config| drop(spaces::label(&space, &field, &labeling, &set, &config, None));
         bench("spaces", &|| label(SpaceConfig::default()));
         bench("spaces, in tiles", &|| label(SpaceConfig { max_cut: 0, ..SpaceConfig::default() }));
         bench("topology and outlines", &|| {

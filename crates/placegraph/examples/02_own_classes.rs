@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let grid = OccupancyGrid::from_ascii(0.25, &DRAWING.replace(['c', 'r', 'd'], "."));
     let labels = Grid::from_ascii(DRAWING, label);
-    let map = LabeledMap { name: "drawn".to_owned(), grid, labels, window: None };
+    let map = LabeledMap { name: "drawn".to_owned(), grid, labels, window: None, building: None };
 
     // Few rounds, for one small building; by default, rounds and temperature are chosen on held-out parts.
     let config = TrainConfig { rounds: Choice::Set(20), block_m: 2.5, ..TrainConfig::default() };

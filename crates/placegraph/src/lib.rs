@@ -1,8 +1,8 @@
-//! From an occupancy grid map to a *semantic-topological map*: every free cell labeled corridor, room or
-//! doorway (or the user's own classes), the regions those cells form, and the graph of how they connect.
+//! Turns an occupancy grid map into a *semantic-topological map*: labels every free cell as corridor, room or doorway
+//! (or as one of your own classes), groups the cells into regions, and builds the graph that connects them.
 //!
-//! The method is that of O. Martinez Mozos, *Semantic Labeling of Places with Mobile Robots*, chapter 4
-//! (key `[Mozos 2010]` throughout; the list is in `docs/references.md`).
+//! The method is chapter 4 of O. Martinez Mozos, *Semantic Labeling of Places with Mobile Robots* (`[Mozos 2010]` in
+//! all comments; `docs/references.md` lists the references).
 //!
 //! | stage | module | section |
 //! |---|---|---|
@@ -16,9 +16,9 @@
 //! | regions and the two corrections by size | [`regions`] | 4.7 |
 //! | the topological map | [`topology`] | 4.7 |
 //!
-//! The library prints nothing, reads no clock, draws no random numbers and keeps no state; the environment chooses
-//! vector instructions once (`scan::Instructions`), and files are opened by `import::load_map` and its like alone: the same input
-//! gives the same bits on any number of threads.
+//! The same input gives the same bits on any number of threads. The library does not print, read a clock or draw random
+//! numbers, and keeps no state, except that the environment chooses the vector instructions once (`scan::Instructions`).
+//! Only functions like `import::load_map` open files.
 //!
 //! # Start here
 //!
@@ -33,21 +33,23 @@
 //! assert_eq!(analysis.topology.places.len(), 1);
 //! ```
 //!
-//! The examples `01_label_map` to `05_update` show more: own classes, routes, an own feature, and updates that keep names.
+//! The examples `01_label_map` to `05_update` show more: classes of your own, routes, a feature of your own, and updates
+//! that keep names.
 //!
 //! # Features
 //!
-//! | feature | what it brings |
+//! | feature | what it adds |
 //! |---|---|
 //! | `default-model` | [`Model::builtin`](model::Model) |
 //! | `import` | the readers of map files, label images, training and edit files |
 //! | `export` | label images, pictures, and the files of other programs |
+//! | `recording` | messages of ROS 2 in MCAP files; the two above bring it |
 //!
-//! All are on by default. Without them a map is labeled with less than half of the crates.
+//! All are on by default. Without them, the library needs less than half of the crates.
 //!
-//! Items that the documentation does not show are for benches and oracles, and may change in any release.
+//! Items that are hidden in the documentation are for benches and oracles, and may change in any release.
 //!
-//! The order of the modules is in `ARCHITECTURE.md`: each uses only those before it.
+//! `ARCHITECTURE.md` gives the order of the modules: each uses only those before it.
 
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
@@ -67,12 +69,20 @@ pub mod grid;
 #[cfg(feature = "import")]
 pub mod import;
 pub mod labels;
+pub mod learning;
+#[cfg(feature = "recording")]
+pub mod messages;
 pub mod model;
 pub mod pipeline;
 pub mod progress;
 pub mod regions;
 pub mod relax;
+#[cfg(all(feature = "import", feature = "export"))]
+pub mod result;
 pub mod scan;
+pub mod session;
+#[cfg(all(feature = "import", feature = "export"))]
+pub mod site;
 pub mod spaces;
 pub mod syntax;
 pub mod text;

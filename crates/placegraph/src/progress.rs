@@ -1,4 +1,4 @@
-//! How long work reports where it is. The library itself neither prints nor reads a clock.
+//! Progress reports of long work. The library itself neither prints nor reads a clock.
 
 use std::fmt;
 
@@ -64,7 +64,7 @@ impl fmt::Display for Stage {
     }
 }
 
-/// Hears where the work is. Calls may come from several threads.
+/// Receives progress. Calls may come from several threads.
 pub trait Progress: Sync {
     /// `stage` begins; the one before it is done.
     fn begin(&self, stage: Stage);
@@ -72,7 +72,23 @@ pub trait Progress: Sync {
     fn advance(&self, done: usize, total: usize);
 }
 
-/// Hears nothing.
+/// Reports the work on one of several equal parts of a stage as progress of the whole stage.
+pub(crate) struct Part<'a> {
+    pub(crate) of: &'a dyn Progress,
+    /// Number of the part, from 0.
+    pub(crate) number: usize,
+    pub(crate) n_parts: usize,
+}
+
+impl Progress for Part<'_> {
+    fn begin(&self, _: Stage) {}
+
+    fn advance(&self, done: usize, total: usize) {
+        self.of.advance(self.number * total + done, self.n_parts * total);
+    }
+}
+
+/// Ignores progress.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Silent;
 

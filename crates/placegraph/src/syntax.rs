@@ -1,4 +1,4 @@
-//! What a parser of JSON, TOML or YAML says of text that it cannot read.
+//! Errors of JSON, TOML and YAML parsers.
 
 use std::fmt;
 
@@ -30,7 +30,7 @@ impl SyntaxError {
     }
 }
 
-/// What the TOML in `text` says.
+/// Wraps the error of the TOML reader for `text`, without its picture of the line.
 ///
 /// # Errors
 /// If it is no TOML, or not that of a `T`.

@@ -10,8 +10,8 @@ pub fn printable(text: &str) -> String {
     text.chars().map(|c| if is_shown(c) { c } else { '_' }).collect()
 }
 
-/// Neither a control character, nor one that changes the line or the direction of the text around it, nor one of those that
-/// stand for no character and that XML does not allow.
+/// Whether a character can be printed: it is not a control character, does not change the line or the direction of
+/// the text around it, and is a character that XML allows.
 pub fn is_shown(c: char) -> bool {
     let is_layout =
         matches!(c, '\u{200e}' | '\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' | '\u{feff}');

@@ -12,85 +12,85 @@ use super::values::comma_separated;
 pub(crate) struct EditArgs {
     #[command(subcommand)]
     pub(crate) action: EditCommand,
-    /// The edit file that the correction is added to; made if it does not exist
+    /// Add the correction to this file; it is created if it does not exist
     #[arg(short, long, value_name = "EDITS.toml", global = true, default_value = "edits.toml")]
     pub(crate) file: PathBuf,
-    /// A result that has the places: names are checked, and written as points, which last when the map changes
+    /// Look up names in this result and write points instead, which stay valid when the map changes
     #[arg(long, value_name = "DIR", global = true)]
     pub(crate) result: Option<PathBuf>,
 }
 
-/// What is written. Places are named, or meant by a point X,Y inside of them; lines across passages may end half a
-/// meter beside the walls.
+/// The kinds of corrections. A place is given by its name or by a point X,Y inside it. The ends of a line across a passage
+/// may be up to half a meter away from the walls.
 #[derive(Clone, Debug, Subcommand)]
 pub(crate) enum EditCommand {
-    /// Give a place a name
+    /// Rename a place
     Rename {
-        /// The place
+        /// Place: its name, or a point X,Y inside it
         #[arg(value_name = "PLACE", allow_hyphen_values = true)]
         at: TargetArg,
-        /// Its name
+        /// New name
         name: String,
     },
-    /// Give a place another class
+    /// Change the class of a place
     Relabel {
-        /// The place
+        /// Place: its name, or a point X,Y inside it
         #[arg(value_name = "PLACE", allow_hyphen_values = true)]
         at: TargetArg,
-        /// Its class
+        /// New class
         class: String,
     },
     /// Cut a place along a line
     Split {
-        /// The two ends, in meters of the map frame
+        /// Ends of the line, in meters in the map frame
         #[arg(value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
         line: LineArg,
     },
-    /// Join places, with the doorways between them
+    /// Join places, including the doorways between them
     Merge {
-        /// The places; the first gives class, number and name
+        /// Places: their names, or points X,Y inside them; the first gives class, number and name
         #[arg(value_name = "PLACE", num_args = 2.., required = true, allow_hyphen_values = true)]
         at: Vec<TargetArg>,
     },
-    /// Put a doorway where there is none
+    /// Add a doorway
     AddDoorway {
-        /// The two jambs, in meters of the map frame
+        /// Both jambs, in meters in the map frame
         #[arg(value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
         line: LineArg,
     },
-    /// Put a doorway elsewhere
+    /// Move a doorway
     MoveDoorway {
-        /// The doorway
+        /// Doorway: its name, or a point X,Y inside it
         #[arg(value_name = "PLACE", allow_hyphen_values = true)]
         at: TargetArg,
-        /// The two jambs, in meters of the map frame
+        /// Both jambs, in meters in the map frame
         #[arg(value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
         line: LineArg,
     },
-    /// Give a doorway's cells to the place beside it
+    /// Remove a doorway; its cells join the neighbor with the longest common border
     RemoveDoorway {
-        /// The doorway
+        /// Doorway: its name, or a point X,Y inside it
         #[arg(value_name = "PLACE", allow_hyphen_values = true)]
         at: TargetArg,
     },
     /// Draw a wall that closes a gap
     Close {
-        /// The two ends, in meters of the map frame
+        /// Ends of the wall, in meters in the map frame
         #[arg(value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
         line: LineArg,
     },
-    /// Break an opening through a wall, as for a door that was shut
+    /// Break an opening through a wall, for example for a door that was shut
     Open {
-        /// The way through, from free space to free space, in meters of the map frame
+        /// Line through the opening, from free space to free space, in meters in the map frame
         #[arg(value_name = "X0,Y0,X1,Y1", allow_hyphen_values = true)]
         line: LineArg,
-        /// Width of the opening, in meters
+        /// Width of the opening
         #[arg(long, value_name = "METERS", default_value_t = 0.9)]
         width: f64,
     },
-    /// Make free space no place: not listed, not in graphs, forbidden in masks
+    /// Remove a place: it is not listed, not in graphs, and forbidden in masks
     Exclude {
-        /// What is a place until then
+        /// Place: its name, or a point X,Y inside it
         #[arg(value_name = "PLACE", allow_hyphen_values = true)]
         at: TargetArg,
     },

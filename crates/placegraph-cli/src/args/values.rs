@@ -58,26 +58,25 @@ impl FromStr for PointArg {
     }
 }
 
-/// Where a map stands on Earth.
+/// The position of a map on Earth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GeoArg(pub(crate) Georeference);
 
 impl FromStr for GeoArg {
     type Err = String;
     fn from_str(text: &str) -> Result<Self, String> {
-        let most = Georeference::MAX_LATITUDE_DEG;
-        match comma_separated::<f64>(text).as_deref() {
-            Some(&[latitude_deg, longitude_deg, heading_deg])
-                if latitude_deg.abs() <= most
-                    && longitude_deg.abs() <= 180.0
-                    && heading_deg.abs() <= 360.0 =>
-            {
-                Ok(Self(Georeference { latitude_deg, longitude_deg, heading_deg }))
+        let place = match comma_separated::<f64>(text).as_deref() {
+            Some(&[latitude_deg, longitude_deg, heading_deg]) => {
+                Georeference::new(latitude_deg, longitude_deg, heading_deg)
             }
-            _ => Err(format!(
+            _ => None,
+        };
+        let most = Georeference::MAX_LATITUDE_DEG;
+        place.map(Self).ok_or_else(|| {
+            format!(
                 "expected LATITUDE,LONGITUDE,HEADING in degrees, up to {most}, 180 and 360, found {text:?}"
-            )),
-        }
+            )
+        })
     }
 }
 

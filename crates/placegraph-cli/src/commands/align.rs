@@ -9,7 +9,7 @@ use crate::args::{AlignArgs, MAX_CELLS};
 use crate::document;
 use crate::output::{complain, print, print_json};
 
-/// Tells the pose of the old frame in the new one, and how certain it is. Status 1 where it is not.
+/// Prints the pose of the old frame in the new one, and how certain it is. Status 1 if it is not certain.
 pub(crate) fn run(args: &AlignArgs) -> Result<Outcome> {
     let [old, new] = [&args.old, &args.new].map(|path| document::read(&document::path_in(path), MAX_CELLS));
     let found = align(&old?.topology(), &new?.topology())
@@ -24,7 +24,7 @@ pub(crate) fn run(args: &AlignArgs) -> Result<Outcome> {
     } else {
         let turn_deg = pose.yaw_rad.sin().atan2(pose.yaw_rad.cos()).to_degrees();
         print(&format!(
-            "turn {turn_deg:.2} degrees, shift {:.2} {:.2} m; {:.0} % of the borders lie on one another (next solution {:.0} %)\n",
+            "turn {turn_deg:.2} degrees, shift {:.2} {:.2} m; {:.0} % of the borders coincide (next solution {:.0} %)\n",
             pose.x,
             pose.y,
             100.0 * found.score,
@@ -34,12 +34,12 @@ pub(crate) fn run(args: &AlignArgs) -> Result<Outcome> {
     if !is_certain {
         let why = if found.score < MIN_SCORE {
             format!(
-                "expected {:.0} % of the borders on one another: these are hardly maps of one building",
+                "fewer than {:.0} % of the borders coincide: these are probably maps of different buildings",
                 100.0 * MIN_SCORE
             )
         } else {
             format!(
-                "expected a lead of {:.0} points: the building looks alike from several sides",
+                "the lead over the next solution is below {:.0} points: the building looks alike from several sides",
                 100.0 * MIN_LEAD
             )
         };

@@ -41,7 +41,7 @@ pub(crate) fn run(args: &EditArgs) -> Result<Outcome> {
     text.push_str(&toml::to_string(&EditFile { edits: vec![edit] })?);
     let file = EditFile::from_toml(&text).with_context(wrong)?;
     write(&args.file, &text)?;
-    complain(&format!("{}: {action} is edit {}", args.file.display(), file.edits.len()));
+    complain(&format!("{}: added {action} as edit {}", args.file.display(), file.edits.len()));
     Ok(Outcome::Done)
 }
 

@@ -5,10 +5,11 @@ use std::path::Path;
 use anyhow::{Context, Result, bail, ensure};
 use placegraph::export::{Export, FileRecord, Format, MapInfo, TopologyDocument};
 use placegraph::import::has_memory;
+use placegraph::result::{Files, export_word};
 
 use super::Outcome;
 use crate::args::ExportArgs;
-use crate::commands::map::{export_option, seal};
+use crate::commands::map;
 use crate::document::{self, DOCUMENT};
 use crate::output::{Existing, OutputSet, Target, print_bytes};
 use crate::read;
@@ -28,7 +29,11 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome> {
     let masks = read::masks(args.masks.as_deref())?.0;
     let map = args.map.as_deref().map(|path| read::map(path, &args.read)).transpose()?;
     if let Some(map) = &map {
-        ensure!(args.to.needs_cells, "expected --map with the format report only, found {}", args.to.name);
+        ensure!(
+            args.to.needs_cells,
+            "--map works only with formats that show cells, which {} does not",
+            args.to.name
+        );
         let found = MapInfo::of(&map.grid, &document.map.name, &map.hash);
         ensure!(
             (found.hash == document.map.hash)
@@ -62,11 +67,10 @@ pub(crate) fn run(args: &ExportArgs) -> Result<Outcome> {
     let maps =
         map.iter().flat_map(|map| &map.files).chain(&args.masks).chain(std::iter::once(&args.topology));
     files.keep_inputs(&maps.cloned().collect::<Vec<_>>(), args.force);
-    for (name, bytes) in exported {
-        files.add(name, bytes);
-    }
     if joins {
-        join(&mut files, document, args.to)?;
+        join(&mut files, exported, document, args.to)?;
+    } else {
+        files.extend(exported);
     }
     files.commit(&folder)?;
     Ok(Outcome::Done)
@@ -76,14 +80,19 @@ fn is_document_of(path: &Path, folder: &Path) -> bool {
     same_file::is_same_file(path, folder.join(DOCUMENT)).unwrap_or(false)
 }
 
-/// Adds the document that has the files of `format` too: they belong to the result beside which they will lie.
-fn join(files: &mut OutputSet, mut document: TopologyDocument, format: &Format) -> Result<()> {
-    let is_replaced = |file: &FileRecord| files.files().any(|(name, _)| name == file.name);
+/// Adds the files of `format` and the document that has them too: they belong to the result beside which they will lie.
+fn join(
+    files: &mut OutputSet,
+    exported: Files,
+    mut document: TopologyDocument,
+    format: &Format,
+) -> Result<()> {
+    let is_replaced = |file: &FileRecord| exported.iter().any(|(name, _)| *name == file.name);
     let kept: Vec<FileRecord> = document.files.iter().filter(|file| !is_replaced(file)).cloned().collect();
-    let option = export_option(format.name);
+    let option = export_word(format);
     if !document.program.options.contains(&option) {
         document.program.options.push(option);
     }
     document.skipped.retain(|skipped| skipped.format != format.name);
-    seal(files, &mut document, kept)
+    map::join(files, exported, &mut document, kept)
 }

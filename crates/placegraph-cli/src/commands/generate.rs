@@ -1,8 +1,13 @@
 //! `placegraph generate`: buildings with perfect labels.
 
+use std::path::Path;
+
 use anyhow::{Context, Result, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar};
-use placegraph_generate::{Building, Mapping, Options, Style, files, generate, generate_surveyed};
+use placegraph::grid::OccupancyGrid;
+use placegraph_generate::{
+    Building, Mapping, Options, Style, files, generate, generate_growing, generate_surveyed, map_files,
+};
 use rayon::prelude::*;
 
 use super::{Outcome, plans};
@@ -22,7 +27,11 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<Outcome> {
         let style = style(args.style);
         return write_all(args, args.count.unwrap_or(1), |index| {
             let name = format!("{}_{}_{index:03}", style.name(), args.seed);
-            Ok((name, generate(style, args.seed, index, &options)))
+            let (building, growing) = match args.growing {
+                Some(every) => generate_growing(style, args.seed, index, args.resolution, every),
+                None => (generate(style, args.seed, index, &options), Vec::new()),
+            };
+            Ok(Made { name, building, growing })
         });
     }
     let plans = plans::read(&args.plan)?;
@@ -32,32 +41,52 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<Outcome> {
         let building = generate_surveyed(&plan.survey, &plan.name, args.seed, round, &options);
         let mut building = building.with_context(|| format!("plan {}", plan.name))?;
         building.license.clone_from(&args.license);
-        Ok((format!("{}_{}_{round:03}", plan.name, args.seed), building))
+        let name = format!("{}_{}_{round:03}", plan.name, args.seed);
+        Ok(Made { name, building, growing: Vec::new() })
     })
+}
+
+/// A building and how its map grew.
+struct Made {
+    name: String,
+    building: Building,
+    growing: Vec<OccupancyGrid>,
+}
+
+impl Made {
+    /// Writes all files into the folder of its name in `folder`; those of the growing map into `growing` in it.
+    fn write(&self, folder: &Path) -> Result<()> {
+        let folder = folder.join(&self.name);
+        let mut set = OutputSet::new(Existing::Replace);
+        for (name, bytes) in files(&self.building)? {
+            set.add(name, bytes);
+        }
+        set.commit(&folder)?;
+        if !self.growing.is_empty() {
+            let mut set = OutputSet::new(Existing::Replace);
+            for (map, step) in self.growing.iter().zip(1..) {
+                let picture = format!("{step:04}.png");
+                let [yaml, bytes] = map_files(map, &picture)?;
+                set.add(picture, bytes);
+                set.add(format!("{step:04}.yaml"), yaml);
+            }
+            set.commit(&folder.join("growing"))?;
+        }
+        Ok(())
+    }
 }
 
 /// Makes buildings `first` to `first + count` and writes each into the folder of its name. One that cannot be made does not stop
 /// the others.
-fn write_all(
-    args: &GenerateArgs,
-    count: u64,
-    make: impl Fn(u64) -> Result<(String, Building)> + Sync,
-) -> Result<Outcome> {
+fn write_all(args: &GenerateArgs, count: u64, make: impl Fn(u64) -> Result<Made> + Sync) -> Result<Outcome> {
     let last = args.first.checked_add(count).context("expected an index that fits in 64 bits")?;
     let bar = ProgressBar::new(count);
-    let failed = (args.first..last).into_par_iter().progress_with(bar).map(|index| {
-        let (name, building) = match make(index) {
-            Ok(made) => made,
-            Err(error) => {
-                complain(&format!("error: {error:#}"));
-                return Ok(1);
-            }
-        };
-        let mut set = OutputSet::new(Existing::Replace);
-        for (name, bytes) in files(&building)? {
-            set.add(name, bytes);
+    let failed = (args.first..last).into_par_iter().progress_with(bar).map(|index| match make(index) {
+        Ok(made) => made.write(&args.out).map(|()| 0),
+        Err(error) => {
+            complain(&format!("error: {error:#}"));
+            Ok(1)
         }
-        set.commit(&args.out.join(name)).map(|_| 0)
     });
     let n_failed = failed.try_reduce(|| 0, |a, b| Ok::<u64, anyhow::Error>(a + b))?;
     complain(&format!("{} buildings in {}", count - n_failed, args.out.display()));

@@ -61,16 +61,16 @@ fn in_words(map: &LoadedMap, check: &MapCheck) -> String {
     let cells = &map.grid.cells;
     let [width_m, height_m] = extent_m(map);
     let origin = map.grid.frame.map_from_grid();
+    // To the millimeter: files of map savers have 16 digits, and the JSON has them too.
+    let [x, y] = [origin.x, origin.y].map(|v| (v * 1e3).round() / 1e3 + 0.0);
     // Writing to a string cannot fail.
     let _ = writeln!(text, "{}: {}", map.name, how(&map.source));
     let _ = writeln!(
         text,
-        "{} x {} cells of {} m: {width_m:.1} m x {height_m:.1} m; lower left corner at ({}, {}), turned by {:.1}°",
+        "{} x {} cells of {} m: {width_m:.1} m x {height_m:.1} m; lower left corner at ({x}, {y}), turned by {:.1}°",
         cells.width(),
         cells.height(),
         map.grid.frame.resolution_m(),
-        origin.x,
-        origin.y,
         origin.yaw_rad.to_degrees()
     );
     let parts = if check.n_parts == 1 { "part" } else { "parts" };
@@ -91,13 +91,14 @@ fn how(source: &Source) -> String {
     };
     let thresholds = format!("free up to {}, occupied from {}", how.free_thresh, how.occupied_thresh);
     let rules = format!("{:?}", how.rules).to_lowercase();
+    let name = source.format.name();
     match source.format {
         Format::MapServer => {
             let negate = if how.negate { ", negated" } else { "" };
-            format!("map_server YAML, mode {mode}{negate}, {thresholds} (rules {rules})")
+            format!("{name}, mode {mode}{negate}, {thresholds} (rules {rules})")
         }
-        Format::Image => format!("image, {thresholds} (rules {rules})"),
-        Format::Carmen => format!("CARMEN map, {thresholds}"),
-        Format::Valetudo => "Valetudo JSON".to_owned(),
+        Format::Image => format!("{name}, {thresholds} (rules {rules})"),
+        other if other.has_thresholds() => format!("{name}, {thresholds}"),
+        _ => name.to_owned(),
     }
 }

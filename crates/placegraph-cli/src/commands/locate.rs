@@ -11,7 +11,7 @@ use crate::args::WhereArgs;
 use crate::document;
 use crate::output::{print, print_json};
 
-/// Tells place, class and probability, and in a doorway its sides.
+/// Prints place, class and probability, and for a doorway its sides.
 pub(crate) fn run(args: &WhereArgs) -> Result<Outcome> {
     let document = document::read(&args.topology, args.max_cells)?;
     let expected = &document.map.frame_id;
@@ -46,7 +46,7 @@ pub(crate) fn run(args: &WhereArgs) -> Result<Outcome> {
             ))?;
         }
     } else {
-        print(&format!("in no place; {distance_m:.2} m from {}\n", place.name))?;
+        print(&format!("outside of all places; {distance_m:.2} m from {}\n", place.name))?;
     }
     Ok(Outcome::Done)
 }

@@ -7,14 +7,17 @@ pub(crate) mod export;
 pub(crate) mod features;
 pub(crate) mod generate;
 pub(crate) mod info;
+pub(crate) mod labels;
 pub(crate) mod list;
 pub(crate) mod locate;
 pub(crate) mod map;
 pub(crate) mod page;
 mod plans;
+pub(crate) mod replay;
 pub(crate) mod route;
 pub(crate) mod scan;
 pub(crate) mod shell;
+pub(crate) mod site;
 pub(crate) mod train;
 pub(crate) mod verify;
 

@@ -20,8 +20,8 @@ const MAX_CELLS: u64 = 36_000_000;
 /// Writes the page, empty or with what it opens.
 pub(crate) fn run(args: &PageArgs) -> Result<Outcome> {
     let library = LIBRARY.context(
-        "this program was built without the page: run crates/placegraph-web/build-library target/web/library.wasm, \
-         then build it again with PLACEGRAPH_WASM=target/web/library.wasm (docs/page.md)",
+        "this program was built without the page: run crates/placegraph-web/build-library target/web/library.lzma, \
+         then build it again with PLACEGRAPH_WASM=target/web/library.lzma (docs/page.md)",
     )?;
     let inputs: Vec<PathBuf> = [&args.map, &args.edits].into_iter().flatten().cloned().collect();
     let view;

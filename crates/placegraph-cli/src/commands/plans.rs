@@ -17,7 +17,7 @@ pub(super) struct NamedPlan {
     pub(super) survey: Survey,
 }
 
-/// Reads all plans of the files, in their order. Flats that are of no use are told and left out.
+/// Reads all plans of the files, in their order. Flats that cannot be used are reported and skipped.
 pub(super) fn read(paths: &[PathBuf]) -> Result<Vec<NamedPlan>> {
     let mut plans: Vec<NamedPlan> = Vec::new();
     for path in paths {

@@ -24,7 +24,10 @@ pub(crate) fn man(args: &ManArgs) -> Result<Outcome> {
         None => program,
         Some(name) => {
             let found = program.find_subcommand(name);
-            found.with_context(|| format!("expected a command of placegraph, found {name:?}"))?.clone()
+            let command =
+                found.with_context(|| format!("expected a command of placegraph, found {name:?}"))?;
+            // The head of the page names it.
+            command.clone().version(env!("CARGO_PKG_VERSION"))
         }
     };
     let mut page = Vec::new();

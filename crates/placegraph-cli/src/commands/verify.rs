@@ -8,7 +8,7 @@ use placegraph::export::stamped_map;
 
 use super::Outcome;
 use crate::args::{MAX_CELLS, VerifyArgs};
-use crate::document::{self, DOCUMENT};
+use crate::document::{self, DOCUMENT, SITE};
 use crate::output::print;
 
 /// Prints a line per result; the check fails if a file was changed, is missing, or belongs to another map.
@@ -19,8 +19,10 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<Outcome> {
         let results = results_in(&folder)?;
         ensure!(!results.is_empty(), "expected a result in {}, found no {DOCUMENT}", folder.display());
         for result in results {
+            let check = if result.join(SITE).is_file() { check_site } else { check };
             let faults = check(&result).unwrap_or_else(|error| vec![format!("{error:#}")]);
-            let state = if faults.is_empty() { "as written".to_owned() } else { faults.join("; ") };
+            let state =
+                if faults.is_empty() { "complete and unchanged".to_owned() } else { faults.join("; ") };
             print(&format!("{}: {state}\n", result.display()))?;
             if !faults.is_empty() {
                 outcome = Outcome::CheckFailed;
@@ -31,8 +33,12 @@ pub(crate) fn run(args: &VerifyArgs) -> Result<Outcome> {
 }
 
 fn folder_of(document: &Path) -> Result<PathBuf> {
-    let is_document = document.file_name().is_some_and(|name| name == DOCUMENT);
-    ensure!(is_document, "expected a {DOCUMENT} or the folder of a result, found {}", document.display());
+    let is_document = document.file_name().is_some_and(|name| name == DOCUMENT || name == SITE);
+    ensure!(
+        is_document,
+        "expected a {DOCUMENT}, a {SITE} or the folder of a result, found {}",
+        document.display()
+    );
     let folder = document.parent().filter(|folder| !folder.as_os_str().is_empty());
     Ok(folder.unwrap_or(Path::new(".")).to_owned())
 }
@@ -41,7 +47,7 @@ fn folder_of(document: &Path) -> Result<PathBuf> {
 fn results_in(folder: &Path) -> Result<Vec<PathBuf>> {
     let cannot_read = || format!("cannot read the folder {}", folder.display());
     let mut results = Vec::new();
-    if folder.join(DOCUMENT).is_file() {
+    if folder.join(DOCUMENT).is_file() || folder.join(SITE).is_file() {
         results.push(folder.to_owned());
     }
     let mut below: Vec<PathBuf> = Vec::new();
@@ -56,6 +62,13 @@ fn results_in(folder: &Path) -> Result<Vec<PathBuf>> {
         results.extend(results_in(&folder)?);
     }
     Ok(results)
+}
+
+/// What is wrong with the site in `folder`.
+fn check_site(folder: &Path) -> Result<Vec<String>> {
+    let site =
+        document::read_site(&folder.join(SITE))?.with_context(|| format!("expected a site in {SITE}"))?;
+    Ok(document::faults_of_site(&site, folder))
 }
 
 /// What is wrong with the result in `folder`.

@@ -32,7 +32,7 @@ pub(crate) fn print_json(value: &impl serde::Serialize) -> Result<()> {
     print(&format!("{}\n", serde_json::to_string_pretty(value)?))
 }
 
-/// Prints a message for people on standard error; nobody reading it is no error.
+/// Prints a message for people on standard error; it is not an error if nobody reads it.
 pub(crate) fn complain(message: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{message}");
 }

@@ -1,7 +1,7 @@
 //! Replaces some files of a folder by others in one step that can be undone: when something fails, or by the next run
 //! when this one is killed.
 //!
-//! The new files lie in `new/` of a hidden folder inside the target until all of them are on the disk. A `journal` beside
+//! The new files lie in `new/` of a hidden folder inside the target until all of them are on the disk. A `journal` next to
 //! them then says what is to be moved where: files that go to `old/`, the last one (which vouches for
 //! the others) first; new ones into place, the last one last. While the last one is in `new/`, the way back is
 //! open.
@@ -48,17 +48,17 @@ pub(super) fn replace(folder: &Path, files: &[(String, Vec<u8>)], removed: &[Str
         return Err(match undo(folder, &staging) {
             Ok(()) => error,
             Err(undo) => error.context(format!(
-                "and what was there could not be put back from {}: {undo}",
+                "and the earlier files could not be restored from {}: {undo}",
                 staging.display()
             )),
         });
     }
     // The set is in place: a folder that stays is removed by the next run.
-    let _ = fs::remove_dir_all(&staging);
+    let _ = remove_staging(&staging);
     Ok(())
 }
 
-/// Writes `files` and the journal, and waits until they are on the disk. An error tells which file it was.
+/// Writes `files` and the journal, and waits until they are on the disk. An error names the file.
 fn stage(staging: &Path, files: &[(String, Vec<u8>)]) -> Result<(), (String, io::Error)> {
     let named = |name: &str| {
         let name = name.to_owned();
@@ -101,7 +101,7 @@ fn move_all(folder: &Path, staging: &Path, names: &[&str], removed: &[String]) -
                 _ => {}
             }
             if name == *last {
-                // Whatever the disk holds after a power cut: new files never lie beside the old last one.
+                // Whatever the disk holds after a power cut: new files never lie next to the old last one.
                 sync()?;
             }
         }
@@ -121,7 +121,7 @@ fn put(new: &Path, folder: &Path, name: &str) -> Result<()> {
     fs::rename(new.join(name), &path).with_context(|| format!("cannot put {} into place", path.display()))
 }
 
-/// Puts back what was in `folder` before the moves that the journal of `staging` tells of, unless they were all done;
+/// Puts back what was in `folder` before the moves that the journal of `staging` lists, unless they were all done;
 /// then removes `staging`. May be repeated.
 fn undo(folder: &Path, staging: &Path) -> io::Result<()> {
     if let Ok(journal) = fs::read(staging.join(JOURNAL)) {
@@ -147,7 +147,37 @@ fn undo(folder: &Path, staging: &Path) -> io::Result<()> {
             sync_folder(folder)?;
         }
     }
-    fs::remove_dir_all(staging)
+    remove_staging(staging)
+}
+
+/// Removes a marked folder, its mark last: killed in between, the next run still knows that the rest is ours.
+fn remove_staging(staging: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(staging)? {
+        let entry = entry?;
+        if entry.file_type()?.is_dir() {
+            fs::remove_dir_all(entry.path())?;
+        } else if entry.file_name() != MARK.0 {
+            fs::remove_file(entry.path())?;
+        }
+    }
+    remove_mark(staging)
+}
+
+/// Removes a folder that holds nothing but the mark, or nothing.
+fn remove_mark(staging: &Path) -> io::Result<()> {
+    match fs::remove_file(staging.join(MARK.0)) {
+        Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
+        _ => {}
+    }
+    fs::remove_dir(staging)
+}
+
+/// Whether a folder holds nothing but a mark that was not written to its end, or nothing.
+fn is_barely_begun(staging: &Path) -> bool {
+    let Ok(mut entries) = fs::read_dir(staging) else { return false };
+    let is_part_of_mark =
+        || fs::read(staging.join(MARK.0)).is_ok_and(|mark| MARK.1.as_bytes().starts_with(&mark));
+    entries.all(|entry| entry.is_ok_and(|entry| entry.file_name() == MARK.0 && is_part_of_mark()))
 }
 
 /// Waits until no other run writes into `folder`, for as long as the lock is kept, and undoes what killed ones left.
@@ -173,9 +203,8 @@ pub(super) fn lock_and_recover(folder: &Path) -> Result<Option<File>> {
         if fs::read(path.join(MARK.0)).is_ok_and(|mark| mark == MARK.1.as_bytes()) {
             undo(folder, &path)
                 .with_context(|| format!("cannot undo what a killed run left in {}", path.display()))?;
-        } else {
-            // Killed before it was marked: empty, or not ours and left.
-            let _ = fs::remove_dir(&path);
+        } else if is_barely_begun(&path) {
+            let _ = remove_mark(&path);
         }
     }
     Ok(Some(lock))
@@ -294,6 +323,33 @@ mod tests {
                 .iter()
                 .all(|(name, text)| text == if name == "other" { "mine" } else { "old" })
         );
+    }
+
+    #[test]
+    fn killed_while_it_cleans_up_or_marks_the_next_run_removes_the_rest() {
+        let (folder, staging) = staged();
+        let name = staging.file_name().unwrap().to_str().unwrap().to_owned();
+        fs::remove_dir_all(&staging).unwrap();
+        let is_cleaned = |files: &[(&str, &str)]| {
+            fs::create_dir(&staging).unwrap();
+            for (file, text) in files {
+                fs::write(staging.join(file), text).unwrap();
+            }
+            drop(lock_and_recover(folder.path()).unwrap());
+            let is_cleaned = !names(folder.path()).contains(&name);
+            let _ = fs::remove_dir_all(&staging);
+            is_cleaned
+        };
+        // All but the mark is removed first, whatever order the file system lists.
+        assert!(is_cleaned(&[MARK]));
+        for n_written in 0..MARK.1.len() {
+            assert!(
+                is_cleaned(&[(MARK.0, &MARK.1[..n_written])]),
+                "killed after {n_written} bytes of the mark"
+            );
+        }
+        assert!(!is_cleaned(&[(MARK.0, ""), ("model.json", "precious")]));
+        assert!(!is_cleaned(&[(MARK.0, "a mark of somebody else")]));
     }
 
     #[test]

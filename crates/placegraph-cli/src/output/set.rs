@@ -8,7 +8,7 @@ use placegraph::export::is_stamped;
 use placegraph::import;
 
 use super::replace;
-use crate::document::{Beside, DOCUMENT, head};
+use crate::document::{Beside, DOCUMENT, SITE, head};
 
 /// Files to be written into one folder together.
 ///
@@ -34,7 +34,7 @@ pub(crate) struct OutputSet {
 pub(crate) enum Existing {
     /// Those of the same names are replaced: the user named them.
     Replace,
-    /// Those of the same names are replaced if this program wrote them: they bear its stamp, or a document beside them
+    /// Those of the same names are replaced if this program wrote them: they bear its stamp, or a document next to them
     /// lists them. Else the set is refused.
     ReplaceOurs,
     /// As above; and the other files of the result that is replaced go.
@@ -61,9 +61,9 @@ impl OutputSet {
         self.files.push((name.into(), bytes.into()));
     }
 
-    /// The files so far, in the order in which they were added.
-    pub(crate) fn files(&self) -> impl Iterator<Item = (&str, &[u8])> {
-        self.files.iter().map(|(name, bytes)| (name.as_str(), bytes.as_slice()))
+    /// Adds files by name.
+    pub(crate) fn extend(&mut self, files: Vec<(String, Vec<u8>)>) {
+        self.files.extend(files);
     }
 
     /// Refuses to replace one of the `inputs`, and files of others, unless by `force`.
@@ -91,6 +91,20 @@ impl OutputSet {
         written
     }
 
+    /// Refuses what [`OutputSet::commit`] would refuse for what stands in `folder` now, for sets that are written one after the other.
+    pub(crate) fn check(&self, folder: &Path) -> Result<()> {
+        self.check_names()?;
+        let beside = self.beside(folder);
+        self.files.iter().try_for_each(|(name, bytes)| self.check_target(folder, name, bytes, &beside))
+    }
+
+    fn beside(&self, folder: &Path) -> Beside {
+        match self.existing {
+            Existing::Replace => Beside::Nothing,
+            Existing::ReplaceOurs | Existing::ReplaceResult => Beside::of(folder),
+        }
+    }
+
     fn check_names(&self) -> Result<()> {
         for (index, (name, _)) in self.files.iter().enumerate() {
             ensure!(
@@ -107,10 +121,7 @@ impl OutputSet {
 
     fn write(self, folder: &Path) -> Result<Committed> {
         let _lock = replace::lock_and_recover(folder)?;
-        let beside = match self.existing {
-            Existing::Replace => Beside::Nothing,
-            Existing::ReplaceOurs | Existing::ReplaceResult => Beside::of(folder),
-        };
+        let beside = self.beside(folder);
         for (name, bytes) in &self.files {
             self.check_target(folder, name, bytes, &beside)?;
         }
@@ -139,8 +150,9 @@ impl OutputSet {
             return Ok(());
         }
         // The document of the result that is replaced may be where its names come from.
-        let is_document =
-            self.existing == Existing::ReplaceResult && name == DOCUMENT && *beside != Beside::Nothing;
+        let is_document = self.existing == Existing::ReplaceResult
+            && [DOCUMENT, SITE].contains(&name)
+            && *beside != Beside::Nothing;
         let is_input = |input: &PathBuf| same_file::is_same_file(input, &path).unwrap_or(false);
         ensure!(
             is_document || !self.inputs.iter().any(is_input),
@@ -150,8 +162,8 @@ impl OutputSet {
         let is_ours = || self.existing == Existing::Replace || is_document || beside.vouches_for(name);
         ensure!(
             is_ours() || self.bears_stamp(folder, name) || has_content(&path, bytes),
-            "cannot write {shown}: a file of this name exists and no {DOCUMENT} says that it is a result of \
-             placegraph; choose another place for the output, or replace it with --force"
+            "cannot write {shown}: a file of this name exists and is not known to be a result of placegraph; choose \
+             another place for the output, or replace it with --force"
         );
         Ok(())
     }
@@ -165,7 +177,7 @@ impl OutputSet {
 
     /// The other files of the result that is replaced, those alone that are as this program wrote them.
     fn leftovers(&self, folder: &Path, beside: &Beside) -> Vec<String> {
-        let (Existing::ReplaceResult, Beside::Result(document)) = (self.existing, beside) else {
+        let (Existing::ReplaceResult, Beside::Result(files)) = (self.existing, beside) else {
             return Vec::new();
         };
         let stays =
@@ -175,7 +187,7 @@ impl OutputSet {
                 && !path.is_symlink()
                 && import::read(path, file.bytes).is_ok_and(|bytes| file.matches(&bytes))
         };
-        let old = document.files.iter().filter(|file| !stays(&file.name));
+        let old = files.iter().filter(|file| !stays(&file.name));
         old.filter(|file| is_ours(&folder.join(&file.name), file)).map(|file| file.name.clone()).collect()
     }
 }

@@ -365,7 +365,7 @@ fn edits_beside_two_maps_belong_to_one_of_them() {
         [&"map", &maps[0], &maps[1], &"--edits", &"edits.toml", &"--out", &out];
     let output = placegraph(&args);
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("beside 2 maps") && stderr(&output).contains("up.edits.toml"));
+    assert!(stderr(&output).contains("next to 2 maps") && stderr(&output).contains("up.edits.toml"));
     fs::rename(folder.path().join("edits.toml"), folder.path().join("up.edits.toml")).unwrap();
     assert_eq!(placegraph(&args).status.code(), Some(0));
     let has_attic =
@@ -373,7 +373,7 @@ fn edits_beside_two_maps_belong_to_one_of_them() {
     assert!(has_attic("up") && !has_attic("down"));
     let elsewhere =
         [&args[..4], &[&folder.path().join("up.edits.toml") as &dyn AsRef<std::ffi::OsStr>], &args[5..]];
-    running::refused(&elsewhere.concat(), &["beside each map"]);
+    running::refused(&elsewhere.concat(), &["next to each map"]);
 }
 
 #[test]

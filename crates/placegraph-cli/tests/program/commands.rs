@@ -189,7 +189,7 @@ fn a_network_trained_here_labels_and_its_method_is_checked() {
         &"400",
     ];
     let report = done(&train);
-    assert!(report.contains("orders of the decision list") && report.contains("taken: M"), "{report}");
+    assert!(report.contains("orders of the decision list") && report.contains("chosen: M"), "{report}");
     let folder = out.path().join("out");
     done(&[&"map", &map, &"--model", &model, &"--method", &"iamn", &"--out", &folder]);
     let crop: [&dyn AsRef<std::ffi::OsStr>; 3] = [&"--crop", &"0,0,110,105", &"--json"];

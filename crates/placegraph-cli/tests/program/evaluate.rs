@@ -60,6 +60,73 @@ fn a_map_without_a_result_fails_the_check_and_is_named() {
     refused(&[&"evaluate", &out.path(), &empty.path()], &["expected folders with labels.png", "found none"]);
     let image = home.join("labels.png");
     refused(&[&"evaluate", &image, &shipped("")], &["expected a folder of results"]);
-    refused(&[&"evaluate", &image, &image, &"--csv", &empty.path().join("t.csv")], &["expected folders"]);
+    refused(
+        &[&"evaluate", &image, &image, &"--csv", &empty.path().join("t.csv")],
+        &["--csv works for folders"],
+    );
     refused(&[&"evaluate", &image, &image, &"--resolution", &"0"], &["resolution above 0"]);
+}
+
+/// A folder of results called `name` in which `change` was made to the labels of every shipped map.
+fn results(folder: &TempDir, name: &str, change: impl Fn(usize, u8) -> u8) -> std::path::PathBuf {
+    let out = folder.path().join(name);
+    for map in ["home", "office"] {
+        fs::create_dir_all(out.join(map)).unwrap();
+        let mut image = image::open(shipped(map).join("labels.png")).unwrap().into_luma8();
+        image.iter_mut().enumerate().for_each(|(n, pixel)| *pixel = change(n, *pixel));
+        image.save(out.join(map).join("labels.png")).unwrap();
+    }
+    out
+}
+
+#[test]
+fn two_methods_are_compared_map_by_map() {
+    let folder = TempDir::new().unwrap();
+    let good = results(&folder, "good", |_, label| label);
+    let bad = results(&folder, "bad", |n, label| if n % 10 == 0 && label == 2 { 1 } else { label });
+    let truth = shipped("");
+    let report = done(&[&"evaluate", &good, &truth, &"--against", &bad, &"--json"]);
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    let comparison = &report["comparison"];
+    assert_eq!(comparison["n_maps"], 2);
+    let accuracy = &comparison["measures"][0];
+    assert_eq!((accuracy["measure"].as_str(), accuracy["n_more"].as_u64()), (Some("accuracy"), Some(2)));
+    // Two maps, both better: two of four choices of signs are as far out.
+    assert!((accuracy["p_value"].as_f64().unwrap() - 0.5).abs() < 1e-9, "{accuracy}");
+    assert!(accuracy["mean_difference"].as_f64().unwrap() > 0.05, "{accuracy}");
+    let text = done(&[&"evaluate", &good, &truth, &"--against", &good]);
+    assert!(text.contains("Wilcoxon") && text.contains("1.0000"), "{text}");
+    refused(
+        &[&"evaluate", &good, &truth, &"--against", &truth.join("home/labels.png")],
+        &["folder of results"],
+    );
+}
+
+#[test]
+fn classes_come_from_the_files_next_to_the_prediction() {
+    let folder = TempDir::new().unwrap();
+    let file = |name: &str| folder.path().join(name);
+    let (five, classes) = (shipped("home/labels-five.png"), shipped("home/five-classes.toml"));
+    // Without a word about them, the colors are unknown; with the file of classes they are not.
+    refused(&[&"evaluate", &five, &five], &["found", "expected one of"]);
+    let told = done(&[&"evaluate", &five, &five, &"--classes", &classes]);
+    assert!(told.contains("kitchen") && told.contains("stairs"), "{told}");
+    // The YAML file of a label image names its classes, in order.
+    let yaml = "image: \"labels.png\"\nmode: raw\nresolution: 0.05\norigin: [0.0, 0.0, 0.0]\nnegate: 0\noccupied_thresh: 0.65\n\
+        free_thresh: 0.196\nclasses: [{\"name\": \"hall\", \"role\": \"place\", \"color\": [1, 2, 3]}, \
+        {\"name\": \"way\", \"role\": \"passage\", \"color\": [3, 2, 1]}]\n";
+    fs::write(file("labels.yaml"), yaml).unwrap();
+    fs::write(file("labels.png"), image_of(&[1, 2, 2, 0])).unwrap();
+    let report = done(&[&"evaluate", &file("labels.png"), &file("labels.png"), &"--json"]);
+    let report: serde_json::Value = serde_json::from_str(&report).unwrap();
+    assert_eq!(report["cells"]["classes"][1]["name"], "way");
+    assert_eq!(report["cells"]["n_cells"], 3);
+}
+
+/// A gray image of one row.
+fn image_of(values: &[u8]) -> Vec<u8> {
+    let image = image::GrayImage::from_raw(values.len() as u32, 1, values.to_vec()).unwrap();
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    image.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    bytes.into_inner()
 }

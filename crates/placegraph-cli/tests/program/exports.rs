@@ -144,6 +144,7 @@ fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
     fs::copy(path("turned/topology.json"), path("turned.json")).unwrap();
     let mut document = json(&topology());
     document["connections"] = Value::Array(Vec::new());
+    document["shortcuts"] = Value::Array(Vec::new());
     fs::write(path("lonely.json"), document.to_string()).unwrap();
     fs::write(path("masks.toml"), "[keepout]\ncost = { class = { garage = 1 } }\n").unwrap();
     fs::write(path("resample.toml"), "rotated = 'resample'\n").unwrap();
@@ -152,7 +153,7 @@ fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
     let (mask, graph) = (path("mask.yaml"), path("graph.geojson"));
     refused(
         &[&"export", &path("turned.json"), &"--to", &"nav2-keepout", &"-o", &mask],
-        &["mask.yaml", "rotation"],
+        &["mask.yaml", "is rotated by 0.3 rad"],
     );
     refused(&[&"export", &topology(), &"--to", &"nav2-keepout", &"-o", &path("mask.png")], &[".yaml"]);
     refused(&[&"export", &path("lonely.json"), &"--to", &"nav2", &"-o", &graph], &["route"]);
@@ -165,6 +166,18 @@ fn what_cannot_be_exported_is_refused_and_nothing_is_written() {
     let report: [&dyn AsRef<std::ffi::OsStr>; 8] =
         [&"export", &topology(), &"--to", &"report", &"-o", &graph, &"--map", &shipped("office/map.yaml")];
     refused(&report, &["hash"]);
+    // One of the same size, of which a single cell differs.
+    let other = path("other");
+    fs::create_dir(&other).unwrap();
+    fs::copy(home(), other.join("map.yaml")).unwrap();
+    let mut image = image::open(shipped("home/map.png")).unwrap().to_luma8();
+    let pixel = image.get_pixel_mut(0, 0);
+    pixel.0[0] = if pixel.0[0] == 0 { 254 } else { 0 };
+    image.save(other.join("map.png")).unwrap();
+    let other_map = other.join("map.yaml");
+    let report = [&report[..7], &[&other_map as &dyn AsRef<std::ffi::OsStr>]].concat();
+    refused(&report, &["expected the map", "hash"]);
+    fs::remove_dir_all(&other).unwrap();
     assert_eq!(names(out.path()), before);
 
     let turned = path("turned.json");
@@ -202,7 +215,7 @@ fn where_names_the_place_and_the_two_sides_of_a_doorway() {
         }
     }
     let outside = done(&[&"where", &topology(), &"--at", &"1e4,0"]);
-    assert!(outside.starts_with("in no place; "), "{outside}");
+    assert!(outside.starts_with("outside of all places; "), "{outside}");
     refused(&[&"where", &topology(), &"--at", &"1,1,odom"], &["odom", "map"]);
 }
 
@@ -243,9 +256,11 @@ fn numbers_and_names_last_and_the_region_image_follows() {
             *side = (side.as_u64().unwrap() + 40).into();
         }
     }
-    for connection in earlier["connections"].as_array_mut().unwrap() {
-        for end in ["a", "b"] {
-            connection[end] = (connection[end].as_u64().unwrap() + 40).into();
+    for (member, ends) in [("connections", &["a", "b"][..]), ("shortcuts", &["within", "a", "b"])] {
+        for way in earlier[member].as_array_mut().unwrap() {
+            for &end in ends {
+                way[end] = (way[end].as_u64().unwrap() + 40).into();
+            }
         }
     }
     let previous = out.path().join("previous.json");
@@ -254,7 +269,7 @@ fn numbers_and_names_last_and_the_region_image_follows() {
     let changes = done(&[&"map", &home(), &"--out", &folder, &"--previous", &previous]);
     assert_eq!(changes, "");
     let document = json(&folder.join("topology.json"));
-    for member in ["places", "connections"] {
+    for member in ["places", "connections", "shortcuts"] {
         assert_eq!(document[member], earlier[member]);
     }
     let ids = |folder: &Path| {
@@ -347,6 +362,9 @@ fn shells_and_manuals_know_the_arguments() {
         assert!(script.contains("placegraph") && script.contains("resume"), "{shell}");
     }
     assert!(done(&[&"man"]).contains(".TH placegraph"));
-    assert!(done(&[&"man", &"map"]).contains("previous"));
+    let page = done(&[&"man", &"map"]);
+    let head = page.lines().find(|line| line.starts_with(".TH")).unwrap();
+    assert!(head.contains("placegraph-map") && head.contains(env!("CARGO_PKG_VERSION")), "{head}");
+    assert!(page.contains("previous"));
     refused(&[&"man", &"fly"], &["fly"]);
 }

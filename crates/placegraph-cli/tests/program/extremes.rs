@@ -113,10 +113,13 @@ fn files_without_an_end_are_refused() {
     if !zero.exists() {
         return;
     }
-    let (home, map) = (shipped("home"), shipped("home/map.yaml"));
+    let map = shipped("home/map.yaml");
     let out = TempDir::new().unwrap();
     let out_path = out.path().to_owned();
-    let cases: [Vec<&dyn AsRef<OsStr>>; 7] = [
+    let result = TempDir::new().unwrap();
+    done(&[&"map", &map, &"--out", &result.path()]);
+    let topology = result.path().join("topology.json");
+    let cases: [Vec<&dyn AsRef<OsStr>>; 19] = [
         vec![&"map", &map, &"--model", &zero],
         vec![&"map", &map, &"--masks", &zero],
         vec![&"map", &map, &"--edits", &zero],
@@ -124,15 +127,28 @@ fn files_without_an_end_are_refused() {
         vec![&"train", &zero],
         vec![&"evaluate", &zero, &zero],
         vec![&"train", &"--map", &map, &"--labels", &zero, &"--max-cells", &"100000"],
+        vec![&"map", &map, &"--previous", &zero],
+        vec![&"info", &zero, &"--resolution", &"0.1"],
+        vec![&"scan", &zero, &"--resolution", &"0.1", &"--at", &"1,1"],
+        vec![&"scan", &map, &"--at", &"1,1", &"--model", &zero],
+        vec![&"where", &zero, &"--at", &"1,1"],
+        vec![&"route", &zero, &"1", &"2"],
+        vec![&"list", &zero],
+        vec![&"align", &zero, &topology],
+        vec![&"align", &topology, &zero],
+        vec![&"export", &zero, &"--to", &"dot"],
+        vec![&"export", &topology, &"--to", &"nav2-keepout", &"--masks", &zero],
+        vec![&"export", &topology, &"--to", &"report", &"--map", &zero, &"--resolution", &"0.1"],
     ];
     for mut args in cases {
         match args[0].as_ref().to_str() {
             Some("map") => args.extend([&"--out" as &dyn AsRef<OsStr>, &out_path]),
-            Some("train") => args.extend([&"-o" as &dyn AsRef<OsStr>, &home]),
+            Some("train" | "export") => args.extend([&"-o" as &dyn AsRef<OsStr>, &out_path]),
             _ => {}
         }
-        refused(&args, &[]);
+        refused(&args, &["a device"]);
     }
+    refused(&[&"verify", &zero], &["expected a topology.json", "/dev/zero"]);
     assert!(names(out.path()).is_empty());
 }
 

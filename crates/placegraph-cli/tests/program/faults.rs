@@ -276,32 +276,95 @@ fn with_memory(kib: u64, args: &Args<'_>) -> Output {
     shell.args(args.iter().map(AsRef::as_ref)).output().unwrap()
 }
 
+/// A gray image of `side` by `side` pixels.
+fn square_map(folder: &Path, name: &str, side: usize, is_wall: impl Fn(usize, usize) -> bool) -> PathBuf {
+    let path = folder.join(name);
+    let cells = (0..side * side).map(|i| if is_wall(i % side, i / side) { 0 } else { 254 });
+    fs::write(&path, [format!("P5\n{side} {side}\n255\n").into_bytes(), cells.collect()].concat()).unwrap();
+    path
+}
+
+/// The least memory, to 10 MiB, in which the program starts at all.
+fn least_mib() -> u64 {
+    let starts = |mib: &u64| with_memory(mib << 10, &vec![&"--version"]).status.success();
+    (20..100).step_by(10).find(starts).expect("a program that starts in 100 MiB")
+}
+
+/// Runs the program with every number of MiB: it succeeds, or says in one line that there is too little memory.
+fn succeeds_or_refuses(name: &str, limits: impl Iterator<Item = u64>, args: &Args<'_>) {
+    let (mut n_refused, mut n_done) = (0, 0);
+    for mib in limits {
+        let output = with_memory(mib << 10, args);
+        let message = stderr(&output);
+        match output.status.code() {
+            Some(0) => n_done += 1,
+            Some(2) => {
+                assert!(message.starts_with("error: "), "{name}, {mib} MiB: {message}");
+                n_refused += 1;
+            }
+            other => panic!("{name}, {mib} MiB: {other:?} {:?}: {message}", output.status),
+        }
+    }
+    println!("memory for {name}: {n_done} times enough, {n_refused} times refused");
+    assert!(n_refused > 0, "{name}: some of it was too little");
+}
+
 #[test]
 fn too_little_memory_is_an_error() {
     let folder = TempDir::new().unwrap();
     let out = folder.path().join("out");
-    let map = folder.path().join("map.pgm");
-    let side = 1500;
-    let cells = (0..side * side).map(|i| if i % 100 == 0 || i / side % 100 == 0 { 0 } else { 254 });
-    let bytes = [format!("P5\n{side} {side}\n255\n").into_bytes(), cells.collect()].concat();
-    fs::write(&map, bytes).unwrap();
-    let args: Args<'_> = vec![&"info", &map, &"--resolution", &"0.1"];
-    let labeled: Args<'_> = vec![&"map", &map, &"--resolution", &"0.1", &"--out", &out];
-    let mut refusals = 0;
-    for mib in (20..=220).step_by(20) {
-        for args in [&args, &labeled] {
-            let output = with_memory(mib << 10, args);
-            let message = stderr(&output);
-            match output.status.code() {
-                Some(0) => {}
-                Some(2) => {
-                    assert!(message.starts_with("error: "), "{mib} MiB: {message}");
-                    refusals += 1;
-                }
-                other => panic!("{mib} MiB: {other:?} {:?}: {message}", output.status),
-            }
-        }
+    let rooms = square_map(folder.path(), "rooms.pgm", 1500, |x, y| x % 100 == 0 || y % 100 == 0);
+    let info: Args<'_> = vec![&"info", &rooms, &"--resolution", &"0.1"];
+    let least = least_mib();
+    succeeds_or_refuses("info", (least..=220).step_by(20), &info);
+    // And one that takes more for its places than for its cells.
+    let cells = square_map(folder.path(), "cells.pgm", 500, |x, y| x % 6 == 0 || y % 6 == 0);
+    for map in [&rooms, &cells] {
+        let labeled: Args<'_> = vec![&"map", map, &"--resolution", &"0.1", &"--out", &out];
+        succeeds_or_refuses("map", (least..=220).step_by(20), &labeled);
     }
-    println!("memory: {refusals} refusals");
-    assert!(refusals > 0, "some of it was too little");
+}
+
+#[test]
+fn too_little_memory_for_training_and_documents_is_an_error() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let (map, labels, model) = (shipped("office/map.yaml"), shipped("office/labels.png"), path("model.json"));
+    let train: [&dyn AsRef<OsStr>; 9] =
+        [&"train", &"--rounds", &"1", &"--map", &map, &"--labels", &labels, &"-o", &model];
+    let least = least_mib();
+    succeeds_or_refuses("train", (least..=150).step_by(10), &train.to_vec());
+
+    done(&[&"map", &shipped("home/map.yaml"), &"--out", &path("out")]);
+    let document: serde_json::Value =
+        serde_json::from_slice(&fs::read(path("out/topology.json")).unwrap()).unwrap();
+    let written = |name: &str, change: &dyn Fn(&mut serde_json::Value)| {
+        let mut document = document.clone();
+        change(&mut document);
+        fs::write(path(name), document.to_string()).unwrap();
+        path(name)
+    };
+    let wide = written("wide.json", &|document| {
+        document["map"]["width"] = 20_000.into();
+        document["map"]["height"] = 19_000.into();
+    });
+    let mask = path("mask.yaml");
+    let export: [&dyn AsRef<OsStr>; 6] = [&"export", &wide, &"--to", &"nav2-keepout", &"-o", &mask];
+    succeeds_or_refuses("export", [100, 200, 300, 400, 600, 800].into_iter(), &export.to_vec());
+    // A point takes more memory than its text, and a list that grows more than its points.
+    let long = written("long.json", &|document| {
+        document["places"][0]["outline"][0]["exterior"] =
+            serde_json::Value::Array(vec![serde_json::json!({ "x": 1, "y": 1 }); 1 << 20]);
+    });
+    let at: [&dyn AsRef<OsStr>; 4] = [&"where", &long, &"--at", &"1,1"];
+    for mib in (least..=200).step_by(10) {
+        let output = with_memory(mib << 10, &at.to_vec());
+        assert_eq!(
+            output.status.code(),
+            Some(2),
+            "where, {mib} MiB: {:?} {}",
+            output.status,
+            stderr(&output)
+        );
+    }
 }

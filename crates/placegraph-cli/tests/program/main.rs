@@ -13,10 +13,15 @@ mod extremes;
 #[cfg(unix)]
 mod faults;
 mod frames;
+mod labels;
+mod limits;
 mod names_last;
 mod plans;
 mod readers;
 mod running;
 mod safety;
 #[cfg(target_os = "linux")]
+mod sites;
 mod soak;
+mod tutorial;
+mod vouching;

@@ -1,18 +1,15 @@
-//! What comes in: formats, releases, limits, and what `info` tells of a map.
+//! What comes in: formats, releases, and what `info` and `scan` tell of a map.
 
 use std::fs;
-use std::path::{Path, PathBuf};
-use std::process::Command;
-use std::time::{Duration, Instant};
 
-use crate::running::{done, done_with, json, placegraph, refused, shipped, stderr};
+use crate::running::{done, json, placegraph, refused, shipped, stderr};
 use placegraph::geom::Point2;
 use placegraph::import::{ReadOptions, load_map};
 use placegraph::model::Model;
 use placegraph::scan::{self, ScanConfig};
 use tempfile::TempDir;
 
-const YAML: &str = "image: map.pgm\nresolution: 0.1\norigin: [-3, 2.5, 0]\nnegate: 0\n\
+pub(crate) const YAML: &str = "image: map.pgm\nresolution: 0.1\norigin: [-3, 2.5, 0]\nnegate: 0\n\
                     occupied_thresh: 0.65\nfree_thresh: 0.196\n";
 
 /// A room of 60 x 40 pixels with a wall of `wall` pixels of gray `gray` in its middle, in unknown space.
@@ -31,7 +28,7 @@ fn pgm(gray: u8) -> Vec<u8> {
 }
 
 /// A folder with `map.yaml` and `map.pgm`.
-fn folder(yaml: &str) -> TempDir {
+pub(crate) fn folder(yaml: &str) -> TempDir {
     let folder = TempDir::new().unwrap();
     fs::write(folder.path().join("map.yaml"), yaml).unwrap();
     fs::write(folder.path().join("map.pgm"), pgm(0)).unwrap();
@@ -51,6 +48,8 @@ fn info_tells_what_the_map_is() {
         assert!(text.contains(words), "{words}: {text}");
     }
     assert!(text.ends_with('\n'));
+    let far = self::folder(&YAML.replace("-3, 2.5", "-22.17923461416615, -0.0000001"));
+    assert!(done(&[&"info", &far.path().join("map.yaml")]).contains("corner at (-22.179, 0), turned"));
     let found: serde_json::Value = serde_json::from_str(&done(&[&"info", &map, &"--json"])).unwrap();
     assert_eq!((&found["width"], &found["height"]), (&60.into(), &40.into()));
     assert_eq!(
@@ -79,7 +78,7 @@ fn advice_names_options_that_are_taken() {
     let text = done(&[&"info", &map, &"--trust-thresholds"]);
     assert!(text.contains("leave out --trust-thresholds"), "{text}");
     let alone = folder.path().join("map.pgm");
-    refused(&[&"info", &alone], &["read map.yaml, which lies beside it", "use --resolution METERS"]);
+    refused(&[&"info", &alone], &["read map.yaml next to it instead", "use --resolution METERS"]);
     done(&[&"info", &alone, &"--resolution", &"0.1"]);
     refused(&[&"info", &map, &"--max-cells", &"100"], &["60 x 40", "use --max-cells N"]);
 }
@@ -127,7 +126,7 @@ fn a_path_from_another_machine_is_told_in_every_result() {
     let map = folder.path().join("map.yaml");
     let output = placegraph(&[&"map", &map, &"--out", &out]);
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stderr(&output).contains("map.pgm beside it was read"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("map.pgm next to the YAML file was read"), "{}", stderr(&output));
     assert!(json(&out.join("topology.json"))["findings"][0].as_str().unwrap().contains("/home/someone/maps"));
 }
 
@@ -215,6 +214,80 @@ fn the_segments_of_a_vacuum_are_the_truth_of_its_rooms() {
 }
 
 #[test]
+fn a_map_that_went_through_a_recording_is_the_same_map() {
+    let folder = TempDir::new().unwrap();
+    let [out, again] = ["out", "again"].map(|name| folder.path().join(name));
+    done(&[&"map", &shipped("home/map.yaml"), &"--out", &out, &"--export", &"mcap"]);
+    let recording = out.join("semantic_map.mcap");
+    refused(
+        &[&"map", &recording, &"--out", &again],
+        &["several topics", "/map, /placegraph/labels, /placegraph/regions", "--topic TOPIC"],
+    );
+    refused(&[&"info", &recording, &"--topic", &"/scan"], &["expected maps on the topic /scan"]);
+    assert!(done(&[&"info", &recording, &"--topic", &"/map"]).contains("recording (MCAP), free up to 0.196"));
+    done(&[&"map", &recording, &"--topic", &"map", &"--out", &again]);
+    for file in ["labels.png", "regions.png", "labels.yaml"] {
+        assert_eq!(fs::read(out.join(file)).unwrap(), fs::read(again.join(file)).unwrap(), "{file}");
+    }
+    // Without the map's cells, all but the map is there.
+    let alone = folder.path().join("alone.mcap");
+    done(&[&"export", &out.join("topology.json"), &"--to", &"mcap", &"-o", &alone]);
+    refused(
+        &[&"info", &alone, &"--topic", &"/map"],
+        &["found them on /placegraph/labels, /placegraph/regions"],
+    );
+}
+
+#[test]
+fn a_growing_map_is_replayed() {
+    let folder = TempDir::new().unwrap();
+    let [buildings, out] = ["buildings", "out"].map(|name| folder.path().join(name));
+    let generate: [&dyn AsRef<std::ffi::OsStr>; 11] = [
+        &"generate",
+        &"--style",
+        &"home",
+        &"--seed",
+        &"1",
+        &"--resolution",
+        &"0.1",
+        &"--growing",
+        &"6",
+        &"-o",
+        &buildings,
+    ];
+    done(&generate);
+    let growing = buildings.join("home_1_000/growing");
+    let n_maps = fs::read_dir(&growing).unwrap().count() / 2;
+    assert!(n_maps > 2, "{n_maps}");
+    let table = done(&[&"replay", &growing, &"--check", &"--out", &out]);
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), n_maps + 1);
+    assert_eq!(fs::read_to_string(out.join("replay.csv")).unwrap(), table);
+    assert_eq!(rows[1][1], "0001.yaml");
+    let column = |name: &str| rows[0].iter().position(|column| *column == name).unwrap();
+    let number = |row: usize, name: &str| rows[row][column(name)].parse::<f64>().unwrap();
+    assert!(number(1, "reused") == 0.0 && number(n_maps, "reused") > 0.0, "{table}");
+    assert!(number(n_maps, "kept") > 0.0 && number(n_maps, "kept") <= number(n_maps, "places"), "{table}");
+    for step in 1..=n_maps {
+        assert!(out.join(format!("step-{step:04}.png")).exists());
+    }
+    // The last result is one to go on from, and what was written is vouched for.
+    let next = folder.path().join("next");
+    done(&[
+        &"map",
+        &growing.join(format!("{n_maps:04}.yaml")),
+        &"--previous",
+        &out.join("topology.json"),
+        &"--out",
+        &next,
+    ]);
+    done(&[&"verify", &out]);
+    refused(&[&"replay", &folder.path().join("none.mcap"), &"--out", &out], &["none.mcap"]);
+    fs::create_dir(folder.path().join("empty")).unwrap();
+    refused(&[&"replay", &folder.path().join("empty"), &"--out", &out], &["empty", "found none"]);
+}
+
+#[test]
 fn a_scan_is_the_one_that_the_model_classifies() {
     let folder = folder(YAML);
     // A single cell that stands free: 0.1 m, which the default model's scans pass through.
@@ -253,150 +326,4 @@ fn features_with_parameters_tell_them() {
     lines.dedup();
     assert_eq!(lines.len(), 10);
     assert!(done(&[&"--help"]).starts_with("Turns the occupancy grid map"));
-}
-
-/// Runs the program and fails if it waits for anybody.
-fn at_once(args: &[&dyn AsRef<std::ffi::OsStr>]) -> (Option<i32>, String) {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
-    command.args(args.iter().map(AsRef::as_ref)).stdin(std::process::Stdio::null());
-    let mut run =
-        command.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::piped()).spawn().unwrap();
-    let start = Instant::now();
-    while run.try_wait().unwrap().is_none() {
-        if start.elapsed() > Duration::from_secs(120) {
-            run.kill().unwrap();
-            panic!("{} waits", args[0].as_ref().display());
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    }
-    let output = run.wait_with_output().unwrap();
-    (output.status.code(), stderr(&output))
-}
-
-#[cfg(unix)]
-#[test]
-fn pipes_are_refused_and_not_waited_for() {
-    let folder = folder(YAML);
-    let path = |name: &str| -> PathBuf { folder.path().join(name) };
-    let pipe = path("pipe.yaml");
-    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-    fs::write(path("named.yaml"), YAML.replace("map.pgm", "pipe.yaml")).unwrap();
-    let (map, out) = (path("map.yaml"), path("out"));
-    let cases: [Vec<&dyn AsRef<std::ffi::OsStr>>; 9] = [
-        vec![&"info", &pipe],
-        vec![&"info", &"named.yaml"],
-        vec![&"map", &map, &"--out", &out, &"--model", &pipe],
-        vec![&"map", &map, &"--out", &out, &"--edits", &pipe],
-        vec![&"map", &map, &"--out", &out, &"--masks", &pipe],
-        vec![&"map", &map, &"--out", &out, &"--previous", &pipe],
-        vec![&"train", &pipe, &"-o", &out],
-        vec![&"where", &pipe, &"--at", &"1,1"],
-        vec![&"route", &pipe, &"1", &"2"],
-    ];
-    let named = path("named.yaml");
-    for mut args in cases {
-        if args[1].as_ref() == "named.yaml" {
-            args[1] = &named;
-        }
-        let (status, message) = at_once(&args);
-        assert!(status == Some(2) && message.contains("a pipe"), "{status:?} {message}");
-    }
-    assert!(!out.exists());
-    // In the place of an older result, it is none.
-    fs::create_dir(&out).unwrap();
-    assert!(Command::new("mkfifo").arg(out.join("topology.json")).status().unwrap().success());
-    let (status, message) = at_once(&[&"map", &map, &"--out", &out, &"--resume"]);
-    assert!(status.is_some(), "{message}");
-    // What a shell hands over is read.
-    let script = format!(
-        "cat {} | exec {} info /dev/stdin --resolution 0.1",
-        path("map.pgm").display(),
-        env!("CARGO_BIN_EXE_placegraph")
-    );
-    let output = Command::new("sh").args(["-c", &script]).output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-}
-
-#[test]
-fn a_run_that_waits_for_another_says_so() {
-    let folder = folder(YAML);
-    let out = folder.path().join("out");
-    fs::create_dir(&out).unwrap();
-    let lock = fs::File::open(&out).unwrap();
-    lock.lock().unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
-    command.arg("map").arg(folder.path().join("map.yaml")).arg("--out").arg(&out);
-    let mut run = command.stderr(std::process::Stdio::piped()).spawn().unwrap();
-    let mut told = String::new();
-    let mut lines = std::io::BufReader::new(run.stderr.take().unwrap());
-    while !told.contains("waiting for another program") {
-        told.clear();
-        assert!(std::io::BufRead::read_line(&mut lines, &mut told).unwrap() > 0, "it ended without a word");
-    }
-    assert!(told.contains(&out.display().to_string()), "{told}");
-    lock.unlock().unwrap();
-    assert!(run.wait().unwrap().success());
-}
-
-#[test]
-fn documents_are_bounded_as_maps_are() {
-    let folder = folder(YAML);
-    let out = folder.path().join("out");
-    done(&[&"map", &folder.path().join("map.yaml"), &"--out", &out]);
-    let text = fs::read_to_string(out.join("topology.json")).unwrap();
-    // The same places in a map of 4 billion cells.
-    let huge = folder.path().join("huge.json");
-    let text =
-        text.replace("\"width\": 60", "\"width\": 40000").replace("\"height\": 40", "\"height\": 100000");
-    fs::write(&huge, text).unwrap();
-    let (svg, good) = (folder.path().join("a.svg"), shipped("home/map.yaml"));
-    let cases: [Vec<&dyn AsRef<std::ffi::OsStr>>; 4] = [
-        vec![&"export", &huge, &"--to", &"svg", &"-o", &svg],
-        vec![&"where", &huge, &"--at", &"0,3"],
-        vec![&"route", &huge, &"1", &"1"],
-        vec![&"map", &good, &"--out", &svg, &"--previous", &huge],
-    ];
-    for args in cases {
-        refused(&args, &["40000 x 100000", "--max-cells"]);
-    }
-    assert!(!svg.exists());
-    done(&[&"route", &out.join("topology.json"), &"1", &"1", &"--max-cells", &"2400"]);
-    refused(&[&"route", &out.join("topology.json"), &"1", &"1", &"--max-cells", &"2399"], &["60 x 40"]);
-}
-
-#[test]
-fn numbers_out_of_all_bounds_are_refused_where_they_are_typed() {
-    let folder = folder(YAML);
-    let map = folder.path().join("map.yaml");
-    for threads in ["257", "1000", "100000", "-1", "many"] {
-        let output = placegraph(&[&"info", &map, &"--threads", &threads]);
-        assert_eq!(output.status.code(), Some(2), "{threads}");
-        assert!(stderr(&output).contains("error: "), "{}", stderr(&output));
-    }
-    done(&[&"info", &map, &"--threads", &"2"]);
-    for at in ["--at=1e308,1e308", "--at=-1e9,0"] {
-        let output = placegraph(&[&"scan", &map, &at]);
-        assert_eq!(output.status.code(), Some(2), "{at}");
-    }
-    for time in ["", "yesterday", "-1", "253402300800", "1.5"] {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_placegraph"));
-        let output = command.env("SOURCE_DATE_EPOCH", time).arg("info").arg(&map).output().unwrap();
-        assert_eq!(output.status.code(), Some(2), "{time:?}");
-        assert!(stderr(&output).contains("SOURCE_DATE_EPOCH"), "{}", stderr(&output));
-    }
-    done_with(("SOURCE_DATE_EPOCH", "4294967296"), &[&"info", &map]);
-}
-
-/// A chessboard of single free cells: 11 250 places, none of which leads to another.
-#[test]
-fn a_map_of_nothing_but_specks_has_no_places() {
-    let folder = TempDir::new().unwrap();
-    let map = folder.path().join("chess.pgm");
-    let side = 150;
-    let cells = (0..side * side).map(|i| if (i / side + i % side) % 2 == 0 { 254 } else { 0 });
-    fs::write(&map, [format!("P5 {side} {side} 255\n").into_bytes(), cells.collect()].concat()).unwrap();
-    let out = folder.path().join("out");
-    done(&[&"map", &map, &"--resolution", &"0.05", &"--out", &out]);
-    assert_eq!(json(&out.join("topology.json"))["places"], serde_json::json!([]));
-    assert!(Path::new(&out.join("regions.png")).exists());
 }

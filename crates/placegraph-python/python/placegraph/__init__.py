@@ -17,7 +17,7 @@ from ._grid import Finding, OccupancyGrid, load_map
 from ._learning import Building, ClassScores, Scores, evaluate, feature_names, features, generate, train
 from ._model import ClassInfo, Model, default_model, load_model
 from ._native import VERSION
-from ._result import Result, export_formats, label
+from ._result import Result, Session, export_formats, label
 from ._topology import Axes, Connection, Doorway, Itinerary, Location, Place, Ring, Topology
 from .errors import (
     EditError,
@@ -65,6 +65,7 @@ __all__ = [
     "Result",
     "Ring",
     "Scores",
+    "Session",
     "Topology",
     "TopologyError",
     "TrainingError",

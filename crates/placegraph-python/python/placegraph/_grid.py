@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from .errors import MapError
+
+if TYPE_CHECKING:
+    from ._model import Model
 
 Path: TypeAlias = "str | os.PathLike[str]"
 
@@ -149,12 +152,13 @@ class OccupancyGrid:
         """What would spoil a labeling of the map, worst first."""
         return [Finding(*finding) for finding in self._handle.findings()]
 
-    def scan(self, x: float, y: float) -> NDArray[np.float64]:
+    def scan(self, x: float, y: float, *, model: Model | None = None) -> NDArray[np.float64]:
         """(360,) ranges in meters of a laser scan from the center of the free cell at (x, y) in the map frame.
 
-        Beam k looks along k degrees, counter-clockwise from the grid's x axis.
+        Beam k looks along k degrees, counter-clockwise from the grid's x axis. ``model`` is whose scan is simulated: the
+        default model's passes small obstacles that stand free; without a model every obstacle is seen.
         """
-        return self._handle.scan(x, y)
+        return self._handle.scan(x, y, None if model is None else model._handle)
 
     def cell_at(self, x: float, y: float) -> tuple[int, int] | None:
         """(row, column) of the cell at (x, y) in meters of the map frame, row 0 at the top; ``None`` outside."""

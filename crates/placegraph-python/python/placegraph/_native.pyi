@@ -19,6 +19,26 @@ class _TrainSettings(TypedDict):
     max_speck_m: float | None
     max_cells_per_class: int | None
 
+__all__ = [
+    "Grid",
+    "Labeled",
+    "Model",
+    "Questions",
+    "Session",
+    "VERSION",
+    "evaluate",
+    "export_formats",
+    "extract",
+    "feature_names",
+    "fit_list",
+    "generate",
+    "label",
+    "list_probabilities",
+    "read_file",
+    "run_program",
+    "train_model",
+    "write_file",
+]
 VERSION: str
 
 @final
@@ -57,7 +77,7 @@ class Grid:
     def shape(self) -> tuple[int, int]: ...
     def array(self) -> NDArray[np.int8]: ...
     def findings(self) -> list[tuple[str, str, str]]: ...
-    def scan(self, x: float, y: float) -> NDArray[np.float64]: ...
+    def scan(self, x: float, y: float, model: Model | None) -> NDArray[np.float64]: ...
     def cell_at(self, x: float, y: float) -> tuple[int, int] | None: ...
 
 @final
@@ -92,9 +112,21 @@ class Labeled:
     def changes_json(self) -> str: ...
     def overview_png(self) -> bytes: ...
     def save(
-        self, folder: str, export: list[str], masks: str | None, stages: bool, probabilities: bool
+        self,
+        folder: str,
+        export: list[str],
+        masks: str | None,
+        stages: bool,
+        probabilities: bool,
+        georeference: tuple[float, float, float] | None,
     ) -> list[str]: ...
-    def export(self, format: str, path: str, masks: str | None) -> list[str]: ...
+    def export(
+        self, format: str, path: str, masks: str | None, georeference: tuple[float, float, float] | None
+    ) -> list[str]: ...
+
+@final
+class Session:
+    def __new__(cls, model: Model) -> Session: ...
 
 @final
 class Questions:
@@ -114,8 +146,11 @@ def label(
     edits: str | None,
     doorways: bool,
     correction: bool,
+    align: bool,
+    hold: bool,
     robot: tuple[float, tuple[float, float] | None],
     threads: int | None,
+    session: Session | None,
 ) -> Labeled: ...
 def feature_names(set: str) -> list[str]: ...
 def extract(

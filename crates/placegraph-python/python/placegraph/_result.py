@@ -164,23 +164,33 @@ class Result:
         masks: Path | None = None,
         stages: bool = False,
         probabilities: bool = False,
+        georeference: tuple[float, float, float] | None = None,
     ) -> list[str]:
         """Writes the files of ``placegraph map`` into ``folder``, the same bytes, and returns their paths.
 
         ``export`` names further formats (:func:`export_formats`), ``masks`` a file that says what costs and limits
         their masks have; ``stages`` and ``probabilities`` add the files of ``--stages`` and ``--probabilities``.
-        All files are written, or none.
+        ``georeference`` is where the map stands on Earth: latitude and longitude of the map frame's origin, and the
+        heading of its y axis clockwise from true north, in degrees. All files are written, or none.
         """
-        return self._handle.save(
-            os.fspath(folder), _names(export), None if masks is None else os.fspath(masks), stages, probabilities
-        )
+        text = None if masks is None else os.fspath(masks)
+        return self._handle.save(os.fspath(folder), _names(export), text, stages, probabilities, georeference)
 
-    def export(self, format: str, path: Path, *, masks: Path | None = None) -> list[str]:
+    def export(
+        self,
+        format: str,
+        path: Path,
+        *,
+        masks: Path | None = None,
+        georeference: tuple[float, float, float] | None = None,
+    ) -> list[str]:
         """Writes one format: to a file, or into an existing folder under its usual name. Returns the paths of its files.
 
         Raises :class:`ExportError` where the format cannot hold the map; :func:`export_formats` names the formats.
+        ``georeference`` is that of :meth:`save`.
         """
-        return self._handle.export(format, os.fspath(path), None if masks is None else os.fspath(masks))
+        text = None if masks is None else os.fspath(masks)
+        return self._handle.export(format, os.fspath(path), text, georeference)
 
     def __repr__(self) -> str:
         return f"Result({self.map.name!r}: {summary(self.topology)})"
@@ -212,6 +222,8 @@ def label(
     edits: Path | None = None,
     doorways: bool = True,
     correction: bool = True,
+    align: bool = False,
+    hold: bool = False,
     robot_radius: float = 0.0,
     robot_at: tuple[float, float] | None = None,
     threads: int | None = None,
@@ -236,6 +248,11 @@ def label(
         are what the classifier says, as in the chapter.
     correction : bool
         Whether small regions, and doorways that join nothing, are relabeled.
+    align : bool
+        Whether ``previous`` is turned and shifted onto the map first, as after a new mapping session.
+    hold : bool
+        Whether the doorways and classes of ``previous`` are held on to: they go only with more evidence than is needed to decide
+        anew. Not together with ``align``.
     robot_radius : float
         What the robot's center needs on all sides, in meters: routes and stations keep it.
     robot_at : (float, float), optional
@@ -253,14 +270,95 @@ def label(
     >>> result.places[0]
     <'room 1': room, 28.4 m² at (-19.8, 3.1)>
     """
-    grid, trained = as_map(map), as_model(model)
+    return _label(
+        as_map(map), as_model(model), None, previous, edits, doorways, correction, align, hold, robot_radius, robot_at, threads
+    )
+
+
+class Session:
+    """Labels one map of a growing building after the other.
+
+    Places keep their numbers and names, and labels do not flicker. Cells that see nothing new are not measured again, which saves
+    most of the time where little changed. Every result is that of :func:`label` with the one before as ``previous`` and with
+    ``hold``, to the bit.
+
+    Parameters
+    ----------
+    model : Model or path, optional
+        What to label with; by default the model that comes with the package.
+
+    Examples
+    --------
+    >>> import placegraph as pg
+    >>> session = pg.Session()
+    >>> first = session.update("maps/home/map.yaml")
+    >>> second = session.update("maps/home/map.yaml")
+    >>> [place.id for place in first.places] == [place.id for place in second.places]
+    True
+    """
+
+    def __init__(self, model: Model | Path | None = None) -> None:
+        self._model = as_model(model)
+        self._handle = _native.Session(self._model._handle)
+        self._last: Topology | None = None
+
+    def update(
+        self,
+        map: OccupancyGrid | Path,
+        *,
+        previous: Result | Topology | Path | None = None,
+        edits: Path | None = None,
+        doorways: bool = True,
+        correction: bool = True,
+        hold: bool = True,
+        robot_radius: float = 0.0,
+        robot_at: tuple[float, float] | None = None,
+        threads: int | None = None,
+    ) -> Result:
+        """Labels the next map, with the parameters of :func:`label` but ``align``. ``previous`` is the last result unless given."""
+        result = _label(
+            as_map(map),
+            self._model,
+            self._handle,
+            self._last if previous is None else previous,
+            edits,
+            doorways,
+            correction,
+            False,
+            hold,
+            robot_radius,
+            robot_at,
+            threads,
+        )
+        self._last = result.topology
+        return result
+
+
+def _label(
+    grid: OccupancyGrid,
+    trained: Model,
+    session: _native.Session | None,
+    previous: Result | Topology | Path | None,
+    edits: Path | None,
+    doorways: bool,
+    correction: bool,
+    align: bool,
+    hold: bool,
+    robot_radius: float,
+    robot_at: tuple[float, float] | None,
+    threads: int | None,
+) -> Result:
+    if align and hold:
+        raise ValueError("expected align or hold, found both: what is in another frame cannot be held on to")
     if isinstance(previous, Result):
         previous = previous.topology
     earlier = None if previous is None else as_topology(previous)._json
     text = None if edits is None else os.fspath(edits)
     at = None if robot_at is None else (float(robot_at[0]), float(robot_at[1]))
     robot = (float(robot_radius), at)
-    native = _native.label(grid._handle, trained._handle, earlier, text, doorways, correction, robot, threads)
+    native = _native.label(
+        grid._handle, trained._handle, earlier, text, doorways, correction, align, hold, robot, threads, session
+    )
     return Result._of(native, grid, trained)
 
 

@@ -225,7 +225,7 @@ class Topology:
         first, last = self.place(start), self.place(goal)
         found = self._questions.route(first.id, last.id)
         if found is None:
-            raise NoRouteError(f"there is no way from {first.name} to {last.name}")
+            raise NoRouteError(f"there is no route from {first.name} to {last.name}")
         numbers, length_m, line = found
         return Itinerary(tuple(self._by_id[number] for number in numbers), length_m, line)
 

@@ -1,14 +1,15 @@
 // A browser with the page, and what the tests do in it.
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync } from "node:fs";
+import assert from "node:assert/strict";
+import { mkdirSync, mkdtempSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
 export const ROOT = new URL("../../../../", import.meta.url);
-const PAGE = pathToFileURL(process.env.PLACEGRAPH_PAGE ?? "target/web/page.html").href;
-const PROGRAM = process.env.PLACEGRAPH_PROGRAM ?? new URL("target/debug/placegraph", ROOT).pathname;
+export const PAGE = pathToFileURL(process.env.PLACEGRAPH_PAGE ?? "target/web/page.html").href;
+export const PROGRAM = process.env.PLACEGRAPH_PROGRAM ?? new URL("target/debug/placegraph", ROOT).pathname;
 const FLAGS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"];
 
 export const launch = () => chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });
@@ -16,6 +17,8 @@ export const launch = () => chromium.launch({ executablePath: process.env.CHROMI
 /** A page in a context of its own; whatever goes wrong in it is in `errors`. */
 export async function openPage(browser, options = {}) {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, acceptDownloads: true, ...options });
+  // A busy machine takes its time.
+  context.setDefaultTimeout(120_000);
   const page = await context.newPage();
   const errors = [];
   page.on("pageerror", (error) => errors.push(error.message));
@@ -89,4 +92,41 @@ export function unzipped(bytes, cwd) {
   const script = "import base64, io, json, sys, zipfile; z = zipfile.ZipFile(io.BytesIO(sys.stdin.buffer.read())); print(json.dumps({n: base64.b64encode(z.read(n)).decode() for n in z.namelist()}))";
   const text = execFileSync("python3", ["-c", script], { input: bytes, cwd, encoding: "utf8", maxBuffer: 1 << 29 });
   return new Map(Object.entries(JSON.parse(text)).map(([name, base64]) => [name, Buffer.from(base64, "base64")]));
+}
+
+/** Office files in a folder, as the program takes them; it names a map.yaml by its folder, and the page by itself. */
+export function officeFolder() {
+  const path = join(folder(), "map");
+  mkdirSync(path);
+  for (const { name, buffer } of officeFiles()) writeFileSync(join(path, name), buffer);
+  return path;
+}
+
+/** All files of the program's result for the page's edits, and those that the page hands out. */
+export async function bothResults(page, formats = [], path = officeFolder(), options = []) {
+  const args = ["map", "map.yaml", "--out", "out", ...options];
+  if (formats.length) args.push("--export", formats.join());
+  if ((await editsOf(page)).length) {
+    await page.click("#tab-edits");
+    const { name, bytes } = await downloaded(page, () => page.click("#save-edits"));
+    assert.equal(name, "edits.toml");
+    writeFileSync(join(path, name), bytes);
+    args.push("--edits", "edits.toml");
+  }
+  program(args, path);
+  await page.click("#tab-take");
+  for (const format of formats) await page.check(`#panel-take input[value="${format}"]`);
+  const { bytes } = await downloaded(page, () => page.click("#save-zip"));
+  const out = join(path, "out");
+  const files = unzipped(bytes, path);
+  // The archive also has the edit file.
+  files.delete("edits.toml");
+  return { page: files, program: new Map(readdirSync(out).map((name) => [name, readFileSync(join(out, name))])) };
+}
+
+export function assertSame(results) {
+  assert.deepEqual([...results.page.keys()].sort(), [...results.program.keys()].sort());
+  for (const [name, bytes] of results.program) {
+    assert.ok(bytes.equals(results.page.get(name)), `${name} differs: ${bytes.length} and ${results.page.get(name).length} bytes`);
+  }
 }

@@ -10,20 +10,14 @@ import { MapData, isInside, lettersOf } from "../../../placegraph/assets/viewer/
 import { placeNames } from "../../../placegraph/assets/viewer/placement.js";
 import { inWords, isOnMap, lineEdit, merge, rename } from "../../page/acts.js";
 import { Cancelled, Engine } from "../../page/engine.js";
-import { sizeOf, sorted } from "../../page/files.js";
+import { bytesOfText, sizeOf, sorted } from "../../page/files.js";
 import { History } from "../../page/history.js";
+import { unpacked } from "../../page/lzma.js";
 import { snapped } from "../../page/linetool.js";
 import { crc32, zipParts } from "../../page/zip.js";
+import { numbers } from "./numbers.mjs";
 
 const near = (a, b) => assert.ok(Math.hypot(a[0] - b[0], a[1] - b[1]) < 1e-9, `${a} is not ${b}`);
-
-/** The same numbers in every run. */
-function* numbers(seed = 1) {
-  for (let state = seed; ;) {
-    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
-    yield state / 2 ** 32;
-  }
-}
 
 test("the cell under the pointer stays there while zooming", () => {
   const camera = new Camera(3, 4, 2);
@@ -238,4 +232,34 @@ test("another program unpacks the archive", async () => {
   const script = "import json, sys, zipfile; z = zipfile.ZipFile(sys.argv[1]); assert z.testzip() is None; print(json.dumps({n: list(z.read(n)) for n in z.namelist()}))";
   const read = JSON.parse(execFileSync("python3", ["-c", script, path], { encoding: "utf8" }));
   for (const { name, bytes } of files) assert.deepEqual(read[name], [...bytes]);
+});
+
+test("text of seven bits a character is the bytes that it was made of", () => {
+  /** As the program writes it. */
+  const written = (bytes) => {
+    const bits = bytes.map((byte) => byte.toString(2).padStart(8, "0")).join("");
+    return (bits.match(/.{1,7}/g) ?? []).map((seven) => {
+      const code = Number.parseInt(seven.padEnd(7, "0"), 2);
+      return [0, 13, 0x3c, 0x5c].includes(code) ? `\\${String.fromCharCode(code ^ 64)}` : String.fromCharCode(code);
+    }).join("");
+  };
+  assert.equal(written([0x81, 0x80]), "@`\\@");
+  const next = numbers(2);
+  for (let length = 0; length < 90; length += 1) {
+    const bytes = Array.from({ length }, () => Math.floor(next.next().value * 256));
+    for (const of of [bytes, bytes.fill(0, length - 3), bytes.fill(255)]) assert.deepEqual([...bytesOfText(written(of))], of);
+  }
+});
+
+test("what another program packed is unpacked, and what is damaged ends", () => {
+  const packed = (data, preset) => new Uint8Array(execFileSync("python3", ["-c",
+    "import lzma, sys; sys.stdout.buffer.write(lzma.compress(sys.stdin.buffer.read(), lzma.FORMAT_ALONE, preset=int(sys.argv[1])))", preset],
+  { input: data, maxBuffer: 1 << 26 }));
+  const next = numbers(9);
+  const noise = Buffer.from(Array.from({ length: 30_000 }, (_, k) => (next.next().value * 256) >> (k % 7)));
+  for (const data of [Buffer.alloc(0), Buffer.from("a"), Buffer.from("hello ".repeat(20_000)), noise, Buffer.concat([noise, Buffer.alloc(9000), noise])]) {
+    for (const preset of ["0", "6", "9"]) assert.ok(Buffer.from(unpacked(packed(data, preset))).equals(data), `${data.length} bytes, ${preset}`);
+  }
+  const whole = packed(noise, "6");
+  for (let end = 0; end < whole.length - 8; end += 997) assert.throws(() => unpacked(whole.subarray(0, end)), /cut off|damaged/);
 });

@@ -36,11 +36,17 @@ for (const [name, options] of VIEWS) {
       await page.click(`#places button[data-id="${corridor.id}"]`);
       await page.waitForTimeout(200);
       assert.deepEqual(await violations(page), [], "a map with a chosen place");
+      await page.evaluate(() => scrollTo(0, 0));
       if (PICTURES) await page.screenshot({ path: `${PICTURES}/page-${name}.png` });
-      for (const tab of ["edits", "check", "take"]) {
+      for (const tab of ["edits", "check", "take", "teach"]) {
         await page.click(`#tab-${tab}`);
         assert.deepEqual(await violations(page), [], tab);
       }
+      await page.click("#start-model");
+      await page.click("#paint-commands summary");
+      assert.deepEqual(await violations(page), [], "a map that is painted");
+      await page.click("#paint-commands summary");
+      if (PICTURES) await page.screenshot({ path: `${PICTURES}/page-teach-${name}.png` });
       await page.setInputFiles("#files", [{ name: "x.txt", mimeType: "text/plain", buffer: Buffer.from("x") }]);
       await page.waitForSelector("#failed:not([hidden])");
       assert.deepEqual(await violations(page), [], "an error");
@@ -54,7 +60,11 @@ test("nothing is wider than a narrow screen", async () => {
   const page = await openPage(browser, { viewport: { width: 320, height: 700 } });
   try {
     await openOffice(page);
-    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+    const isNarrow = () => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
+    assert.ok(await isNarrow());
+    await page.click("#tab-teach");
+    await page.click("#start-model");
+    assert.ok(await isNarrow());
   } finally {
     await page.context().close();
   }

@@ -83,6 +83,11 @@ export function paintLayers(context, view, at) {
   const px = 1 / camera.scale;
   inCells();
   if (shown.occupancy && view.occupancy) view.occupancy.draw(context, camera.scale * dpr, sight);
+  if (view.labels) {
+    // Somebody paints: nothing else shall lie over it.
+    view.labels.draw(context, camera.scale * dpr, sight);
+    return;
+  }
   if (shown.probability && view.probability) view.probability.draw(context, camera.scale * dpr, sight);
   const seen = data.places.filter((place) => isSeen(place, sight));
   if (shown.probability && !view.probability) fill(context, seen, (p) => `rgb(${shade(p.probability).join()})`, 0.9);

@@ -2,10 +2,7 @@
 
 const GAP_PX = 3;
 
-/**
- * `items`: `{ at: [x, y] on the screen, width, height }`, most important first. Returns the items that fit, each with
- * `left` and `top`.
- */
+/** `items`: `{ at: [x, y] on the screen, width, height }`, most important first. Returns those that fit, with `left` and `top`. */
 export function placeNames(items, screen) {
   const placed = [];
   const rows = new Map();

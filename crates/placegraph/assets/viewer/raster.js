@@ -26,52 +26,82 @@ export class Raster {
 
   /** Paints all tiles with the colors of `table`; smaller levels follow from larger ones. */
   color(table) {
-    this.levels = [{ size: 1, tiles: this.#largest(table) }];
+    this.table = table;
+    this.levels = [{ size: 1, tiles: this.#largest() }];
     while (this.width / this.levels.at(-1).size > TILE || this.height / this.levels.at(-1).size > TILE) {
       this.levels.push(this.#halved(this.levels.at(-1)));
     }
   }
 
-  #largest(table) {
+  /** Paints again what changed within the box `[x0, y0, x1, y1]`. */
+  update([x0, y0, x1, y1]) {
+    for (const [k, { size, tiles }] of this.levels.entries()) {
+      // Whole pixels of this level, and some more for those that are smoothed over the edge.
+      const grown = [Math.floor(x0 / size - 2), Math.floor(y0 / size - 2), Math.ceil(x1 / size + 2), Math.ceil(y1 / size + 2)].map((v) => v * size);
+      for (const tile of tiles) {
+        const [left, top] = [Math.max(grown[0], tile.x), Math.max(grown[1], tile.y)];
+        const [right, bottom] = [Math.min(grown[2], tile.x + tile.width), Math.min(grown[3], tile.y + tile.height)];
+        if (left >= right || top >= bottom) continue;
+        if (k === 0) this.#paint(tile, [left, top, right, bottom]);
+        else this.#shrink(tile, size, this.levels[k - 1].tiles, [left, top, right, bottom]);
+      }
+    }
+  }
+
+  #largest() {
     const tiles = [];
     for (let y = 0; y < this.height; y += TILE) {
       for (let x = 0; x < this.width; x += TILE) {
-        const [w, h] = [Math.min(TILE, this.width - x), Math.min(TILE, this.height - y)];
-        const image = new ImageData(w, h);
-        const pixels = new Uint32Array(image.data.buffer);
-        for (let row = 0; row < h; row += 1) {
-          const start = (y + row) * this.width + x;
-          for (let column = 0; column < w; column += 1) pixels[row * w + column] = table[this.values[start + column]];
-        }
-        const canvas = newCanvas(w, h);
-        canvas.getContext("2d").putImageData(image, 0, 0);
-        tiles.push({ canvas, x, y, width: w, height: h });
+        const [width, height] = [Math.min(TILE, this.width - x), Math.min(TILE, this.height - y)];
+        const tile = { canvas: newCanvas(width, height), x, y, width, height };
+        this.#paint(tile, [x, y, x + width, y + height]);
+        tiles.push(tile);
       }
     }
     return tiles;
   }
 
-  #halved({ size, tiles }) {
-    const step = TILE * size * 2;
-    const groups = new Map();
-    for (const tile of tiles) {
-      const key = `${Math.floor(tile.x / step)} ${Math.floor(tile.y / step)}`;
-      groups.set(key, [...(groups.get(key) ?? []), tile]);
+  /** The cells of a box in a tile of the largest level. */
+  #paint(tile, [left, top, right, bottom]) {
+    const [w, h] = [right - left, bottom - top];
+    const image = new ImageData(w, h);
+    const pixels = new Uint32Array(image.data.buffer);
+    for (let row = 0; row < h; row += 1) {
+      const start = (top + row) * this.width + left;
+      for (let column = 0; column < w; column += 1) pixels[row * w + column] = this.table[this.values[start + column]];
     }
-    const made = [...groups.values()].map((group) => {
-      const x = Math.floor(group[0].x / step) * step;
-      const y = Math.floor(group[0].y / step) * step;
-      const [width, height] = [Math.min(step, this.width - x), Math.min(step, this.height - y)];
-      const canvas = newCanvas(Math.ceil(width / size / 2), Math.ceil(height / size / 2));
-      const context = canvas.getContext("2d");
-      context.imageSmoothingQuality = "medium";
-      const scale = 1 / (size * 2);
-      for (const t of group) {
-        context.drawImage(t.canvas, (t.x - x) * scale, (t.y - y) * scale, t.width * scale, t.height * scale);
+    tile.canvas.getContext("2d").putImageData(image, left - tile.x, top - tile.y);
+  }
+
+  /** A box of a tile from the tiles of the level before, which are twice as large. */
+  #shrink(tile, size, larger, [left, top, right, bottom]) {
+    const context = tile.canvas.getContext("2d");
+    context.imageSmoothingQuality = "medium";
+    context.save();
+    context.beginPath();
+    context.rect((left - tile.x) / size, (top - tile.y) / size, (right - left) / size, (bottom - top) / size);
+    context.clip();
+    context.clearRect(0, 0, tile.canvas.width, tile.canvas.height);
+    for (const t of larger) {
+      if (t.x >= right || t.y >= bottom || t.x + t.width <= left || t.y + t.height <= top) continue;
+      context.drawImage(t.canvas, (t.x - tile.x) / size, (t.y - tile.y) / size, t.width / size, t.height / size);
+    }
+    context.restore();
+  }
+
+  #halved({ size: before, tiles: larger }) {
+    const size = before * 2;
+    const step = TILE * size;
+    const tiles = [];
+    for (let y = 0; y < this.height; y += step) {
+      for (let x = 0; x < this.width; x += step) {
+        const [width, height] = [Math.min(step, this.width - x), Math.min(step, this.height - y)];
+        const tile = { canvas: newCanvas(Math.ceil(width / size), Math.ceil(height / size)), x, y, width, height };
+        this.#shrink(tile, size, larger, [x, y, x + width, y + height]);
+        tiles.push(tile);
       }
-      return { canvas, x, y, width, height };
-    });
-    return { size: size * 2, tiles: made };
+    }
+    return { size, tiles };
   }
 
   /** Draws what is in sight; `context` counts in cells. */

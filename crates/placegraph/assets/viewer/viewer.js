@@ -19,6 +19,8 @@ export class Viewer {
     this.shown = Object.fromEntries(LAYERS.map(({ id, on: isOn }) => [id, isOn]));
     /** What handles pointers and keys before the viewer does, and paints on top: a drawing tool. */
     this.tool = null;
+    /** A `Raster` of classes that is shown instead of the result's. */
+    this.labels = null;
     this.canvas = element(host, "canvas", {
       id: "map", tabindex: "0", role: "application", "aria-roledescription": "map",
       "aria-label": "Map. Arrow keys move it, plus and minus zoom, 0 shows all of it, Enter chooses the place in the middle.",
@@ -200,7 +202,7 @@ export class Viewer {
   #paintOver() {
     const { context, camera, dpr } = this;
     context.setTransform(camera.scale * dpr, 0, 0, camera.scale * dpr, -camera.x * camera.scale * dpr, -camera.y * camera.scale * dpr);
-    for (const [id, kind] of [[this.hovered, "hovered"], [this.selected, "selected"]]) {
+    for (const [id, kind] of this.labels ? [] : [[this.hovered, "hovered"], [this.selected, "selected"]]) {
       const place = this.data.byId.get(id);
       if (place) paintMark(context, place, kind, this.colors, 1 / camera.scale);
     }
@@ -239,7 +241,10 @@ export class Viewer {
     this.canvas.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, at);
     if (this.pointers.size === 1) this.pressed = { at, moved: false, button: event.button };
-    else if (this.pressed) this.pressed.moved = true;
+    else {
+      if (this.pressed) this.pressed.moved = true;
+      this.tool?.cancel?.();
+    }
     if (this.pointers.size === 1 && event.button === 0 && this.data) this.tool?.down?.(this.camera.toCells(at), this);
   }
 

@@ -1,5 +1,5 @@
-//! The cells that a network is trained on: their distances to the exemplars (Eq. 4.11), once for all parts of the maps
-//! that are held out. Cost: cells × exemplars × features.
+//! The training cells of a network, with their distances to the exemplars (Eq. 4.11), computed once for all parts of
+//! the maps that are held out. Cost: cells × exemplars × features.
 
 use std::borrow::Cow;
 
@@ -10,10 +10,10 @@ use crate::features::FeatureTable;
 use crate::grid::{Cell, CellGraph, FreeSpace, Grid, Occupancy};
 use crate::labels::{Label, Labeling};
 
-/// What is learned from: the nodes of some maps, map after map.
+/// Training data of a network: the nodes of some maps, map after map.
 #[derive(Clone, Copy, Debug)]
 pub struct LabeledCells<'a> {
-    /// The cells to learn from, map by map; cells without a label, or held out, are no nodes.
+    /// The training cells of each map; cells that have no label or are held out have no node.
     pub maps: &'a [FreeSpace],
     /// The features of their nodes.
     pub table: &'a FeatureTable,
@@ -21,8 +21,9 @@ pub struct LabeledCells<'a> {
     pub labels: &'a [Label],
     /// Number of labels K.
     pub n_labels: usize,
-    /// Scores of another classifier, as many for every node, that become node features as they are; or none. They must
-    /// come from a classifier that has not seen the node's surroundings, else the network trusts them too much.
+    /// Scores of another classifier, equally many for every node, that become node features unchanged; may be empty.
+    /// They must come from a classifier that has not seen the surroundings of the node; otherwise the network trusts
+    /// them too much.
     pub scores: &'a [f32],
 }
 

@@ -1,5 +1,5 @@
-//! How sure a labeling is, cell by cell: the distribution of a cell's label given its neighbors' labels, softened so
-//! that it fits held-out cells.
+//! How certain each label is: the distribution of a cell's label given its neighbors' labels, softened to fit
+//! held-out cells.
 //!
 //! Max-marginals would need a cut per cell and label. The conditional distribution costs one pass; what it cannot know
 //! is that neighbors may be wrong together, which the temperature makes up for on average.

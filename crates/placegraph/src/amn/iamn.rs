@@ -1,5 +1,5 @@
-//! The instance-based network as it is applied: selected features → distances to exemplars → potentials → labeling
-//! (Sect. 4.6.1, 4.6.4).
+//! The instance-based network in use: selected features → distances to exemplars → potentials → labeling (Sect.
+//! 4.6.1, 4.6.4).
 //!
 //! Cost: queries × exemplars × features for the transform, then a few minimum cuts.
 //!
@@ -25,7 +25,7 @@ use crate::labels::{Label, LabelField, Labeling};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "IamnFile", into = "IamnFile")]
 pub struct IamnModel {
-    /// The features that distances are computed from.
+    /// The features for distances.
     pub standardization: Standardization,
     /// M of Eq. (4.11): how many neighbors per class.
     pub n_neighbors: usize,
@@ -38,11 +38,11 @@ pub struct IamnModel {
     pub weights: Weights,
     /// Which cells share an edge.
     pub connectivity: Connectivity,
-    /// Confidences are softened by this, see [`IamnModel::infer`].
+    /// Temperature that softens confidences, see [`IamnModel::infer`].
     pub temperature: f64,
 }
 
-/// Which features are used, and the mean and deviation that they are standardized with.
+/// The features in use, and the means and deviations that standardize them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Standardization {
     /// The features.
@@ -100,7 +100,7 @@ fn column(table: &FeatureTable, feature: FeatureId) -> &[f32] {
 }
 
 impl IamnModel {
-    /// How many scores of another classifier a node has besides its distances.
+    /// Number of scores of another classifier that a node has in addition to its distances.
     pub fn n_scores(&self) -> usize {
         self.weights.n_features() - self.weights.n_labels() * self.n_neighbors
     }
@@ -132,7 +132,7 @@ impl IamnModel {
         confidence::field(&potentials.node, self.weights.n_labels(), self.temperature)
     }
 
-    /// The labeling of `graph` that maximizes Eq. (4.9), and how sure each label is.
+    /// The labeling of `graph` that maximizes Eq. (4.9), and how certain each label is.
     ///
     /// The distribution of a node is that of its label given the labels found around it, p_i(k) ∝ exp((θ_i(k) + Σ_j λ(k)
     /// [y_j = k]) / T), with T fitted to held-out parts of the training maps. It is conditional, so it knows no doubt about a
@@ -159,7 +159,7 @@ pub fn side_by_side(distances: Vec<f32>, n_distances: usize, scores: &[f32]) -> 
     rows.flat_map(|(distances, scores)| distances.iter().chain(scores)).copied().collect()
 }
 
-/// What a network says of the nodes of a map.
+/// Labels and probabilities that a network gives the nodes of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NetworkLabels {
     /// The labeling that maximizes Eq. (4.9).
@@ -170,7 +170,8 @@ pub struct NetworkLabels {
     pub field: LabelField,
 }
 
-/// Labels the nodes of `graph`, whose node features are the rows of `features`, and tells how sure each label is.
+/// Labels the nodes of `graph`, whose node features are the rows of `features`, and computes how certain each label
+/// is.
 ///
 /// # Panics
 /// If rows and nodes differ in number.

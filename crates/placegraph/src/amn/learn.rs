@@ -1,5 +1,5 @@
-//! Max-margin training of an associative Markov network (Sect. 4.6.2): the weights under which the true labeling beats
-//! every other one by its loss.
+//! Max-margin training of an associative Markov network (Sect. 4.6.2): weights for which the true labeling scores
+//! higher than every other one, by the loss of the other one.
 //!
 //! One-slack cutting planes (Joachims, Finley and Yu, Machine Learning 2009): find the labeling that violates the
 //! margin most, by inference with the loss added to the node potentials; add its plane; solve the small quadratic
@@ -16,18 +16,18 @@ use crate::cuts::{Potentials, expand};
 use crate::grid::{CellGraph, Connectivity};
 use crate::labels::{Label, Labeling};
 
-/// A labeled map as the learner sees it.
+/// A labeled map, as the learner uses it.
 #[derive(Clone, Copy, Debug)]
 pub struct LabeledGraph<'a> {
     /// The labeled cells.
     pub graph: &'a CellGraph,
-    /// Node features, one row per node, the constant left out.
+    /// Node features, one row per node, without the constant.
     pub features: &'a [f32],
     /// The true labels.
     pub labels: &'a [Label],
 }
 
-/// What a wrong label costs.
+/// The cost of a wrong label.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Loss {
     /// Every wrong cell 1.
@@ -42,11 +42,11 @@ pub enum Loss {
 /// How the network is trained.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LearnConfig {
-    /// What a wrong label costs.
+    /// The cost of a wrong label.
     pub loss: Loss,
     /// Training ends when no plane is violated by more than this, in loss per cell. Default 1e-3.
     pub tolerance: f64,
-    /// Training ends with this many planes at the latest. Default 300.
+    /// Training ends with this many planes at most. Default 300.
     pub max_planes: usize,
     /// Which cells share an edge. Default: eight neighbors.
     pub connectivity: Connectivity,
@@ -70,12 +70,12 @@ pub enum Ended {
 /// Trained weights and how training ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Learned {
-    /// The weights of the lowest objective seen.
+    /// The weights with the lowest objective seen.
     pub weights: Weights,
     /// Their objective ½‖w‖² + C ξ.
     pub objective: f64,
-    /// No weights have a lower objective than this. The objective and so the gap are exact for two labels; for more
-    /// inference may miss the worst labeling and the objective be a little higher.
+    /// A lower bound of the objective over all weights. Objective and gap are exact for two labels. With more labels,
+    /// inference may miss the worst labeling, and the objective may be slightly higher.
     pub bound: f64,
     /// Planes in the working set.
     pub n_planes: usize,
@@ -83,7 +83,7 @@ pub struct Learned {
     pub ended: Ended,
 }
 
-/// The planes found so far; they hold for every C, so that a series of costs shares them.
+/// The planes found so far. They hold for every C, so a series of costs shares them.
 #[derive(Clone, Debug)]
 pub struct Learner<'a> {
     examples: Vec<LabeledGraph<'a>>,
@@ -96,7 +96,7 @@ pub struct Learner<'a> {
 }
 
 impl<'a> Learner<'a> {
-    /// A learner for `n_labels` labels that knows no planes yet.
+    /// A learner for `n_labels` labels, without planes.
     ///
     /// # Panics
     /// If an example has not one row of features and one label per node.

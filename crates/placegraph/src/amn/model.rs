@@ -6,8 +6,8 @@ use crate::cuts::{Potentials, agreeing_edges};
 use crate::grid::{CellGraph, Connectivity};
 use crate::labels::Label;
 
-/// Weights w of Eq. (4.9). The edge features x_ij are 1, so an edge weight is what two neighbors earn whose label is
-/// the same.
+/// Weights w of Eq. (4.9). The edge features x_ij are 1, so an edge weight is the reward of two neighbors with the
+/// same label.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Weights {
@@ -28,7 +28,7 @@ impl Weights {
         self.edge.len()
     }
 
-    /// Number of node features, the constant not counted.
+    /// Number of node features, without the constant.
     pub fn n_features(&self) -> usize {
         self.node.len() / self.n_labels() - 1
     }
@@ -47,7 +47,8 @@ impl Weights {
     }
 }
 
-/// ψ(y): the sums that the weights multiply in the score of `labeling`, laid out as node and edge weights.
+/// ψ(y): the sums by which the weights are multiplied in the score of `labeling`, in the layout of node and edge
+/// weights.
 pub fn sufficient_statistics(
     graph: &CellGraph,
     features: &[f32],

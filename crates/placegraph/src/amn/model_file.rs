@@ -1,4 +1,4 @@
-//! How an [`IamnModel`] stands in the model file: features by name, exemplars as base64 of little-endian `f32`.
+//! The form of an [`IamnModel`] in the model file: features by name, exemplars as base64 of little-endian `f32`.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -30,7 +30,7 @@ pub(super) struct IamnFile {
 #[non_exhaustive]
 pub enum IamnFileError {
     /// A feature that this program cannot compute.
-    #[error("expected a feature of this version's registry, found {name:?}")]
+    #[error("the model uses the feature {name:?}, which this version of placegraph does not have")]
     Feature {
         /// The name found.
         name: String,

@@ -33,7 +33,8 @@ struct Tile {
 }
 
 impl Exemplars {
-    /// Takes `vectors`, `n_features` a row; the group of every row is in `groups`, each below `n_groups`.
+    /// Makes exemplars from `vectors`, `n_features` per row; the group of every row is in `groups`, each below
+    /// `n_groups`.
     ///
     /// # Panics
     /// If the lengths do not fit.

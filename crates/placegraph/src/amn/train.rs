@@ -1,11 +1,11 @@
 //! Labeled maps → instance-based network: selection of features, exemplars, the choice of M and C on held-out blocks,
 //! and the weights (Sect. 4.6).
 //!
-//! Cost: cells × exemplars × features for the distances, once, whatever is validated; then some tens of inferences per
+//! Cost: cells × exemplars × features for the distances, once, for any validation; then some tens of inferences per
 //! block, M and C, two fifths of them in parallel at best.
 //!
 //! **Deviations** from the chapter: a training cell's own exemplar and all within [`IamnConfig::exclusion_m`] do not
-//! count as its neighbors. The cell itself would always be at distance 0, and cells beside it nearly so; the weights
+//! count as its neighbors. The cell itself would always be at distance 0, and cells next to it nearly so; the weights
 //! would trust distances that no new map has. M and C, about which the chapter says nothing, are those with the best
 //! macro-averaged F1 on blocks of columns left out in turn.
 
@@ -22,22 +22,22 @@ use crate::features::select::{self, Selection};
 use crate::labels::{ConfusionMatrix, Labeling};
 use crate::progress::{Progress, Stage};
 
-/// How training went.
+/// The training report.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IamnReport {
     /// The features, with their scores.
     pub selection: Selection,
-    /// What every M and C reached on held-out blocks.
+    /// The results of every M and C on held-out blocks.
     pub validation: Vec<Validated>,
-    /// Which of them was taken.
+    /// The chosen one.
     pub best: usize,
-    /// The weights' objective and how learning ended.
+    /// The objective of the weights, and how training ended.
     pub learned: Learned,
     /// Training cells by true and found label; near exemplars did not count for them.
     pub training_confusion: ConfusionMatrix,
 }
 
-/// What one choice of M and C reached on held-out blocks.
+/// The result of one M and C on held-out blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Validated {
     /// M.
@@ -50,7 +50,7 @@ pub struct Validated {
     pub macro_f1: f64,
 }
 
-/// Learns from `cells`.
+/// Trains a network on `cells`.
 ///
 /// # Panics
 /// If rows, labels, scores and nodes differ in number, no map is given, or a list of the configuration is empty.

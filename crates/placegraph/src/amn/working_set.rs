@@ -36,7 +36,7 @@ pub(super) struct Optimum {
 
 /// The program is solved to this share of the objective.
 const TOLERANCE: f64 = 1e-9;
-/// Steps after which the best solution so far is taken; the bound tells how good it is.
+/// Steps after which the best solution so far is taken; the bound shows how good it is.
 const MAX_STEPS: usize = 60;
 /// How far towards the border of the feasible region a step may go.
 const STEP_FRACTION: f64 = 0.995;

@@ -1,5 +1,5 @@
-//! The probabilistic decision list: K − 1 of the K one-against-all classifiers in some order, the last class takes
-//! what remains (Sect. 4.3, Eq. 4.5). Cost O(K) an example, given its scores.
+//! The probabilistic decision list: K − 1 of the K one-against-all classifiers in some order; the last class gets the
+//! remainder (Sect. 4.3, Eq. 4.5). Cost: O(K) per example, given its scores.
 //!
 //! **Deviations**: probabilities are floored at 10⁻⁶, because the relaxation multiplies them and could never revive a
 //! zero; a temperature softens the confidences (see [`super::confidence`]).
@@ -23,7 +23,7 @@ const BLOCK: usize = 4096;
 /// A multi-class classifier made of binary ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DecisionList {
-    /// All K labels, first asked first; the last is the remainder, whose classifier is not asked.
+    /// All K labels in the order of the list; the last is the remainder, whose classifier is not used.
     pub order: Vec<Label>,
     /// The classifier of every class, in the order of the labels.
     pub classifiers: Vec<StrongClassifier>,
@@ -32,12 +32,12 @@ pub struct DecisionList {
 }
 
 impl DecisionList {
-    /// The features that any stump looks at, in ascending order.
+    /// The features that the stumps use, in ascending order.
     pub fn columns(&self) -> Vec<FeatureId> {
         CompiledClassifiers::new(&self.classifiers).columns().to_vec()
     }
 
-    /// The distribution over the classes for an example with `scores`, one a class.
+    /// The distribution over the classes for an example with `scores`, one per class.
     pub fn probabilities(&self, scores: &[f32]) -> [f64; LabelSet::MAX] {
         let mut p = [0.0; LabelSet::MAX];
         let mut remaining = 1.0;
@@ -72,8 +72,8 @@ impl DecisionList {
         LabelField::from_rows(n_labels, values)
     }
 
-    /// Writes the distribution over the classes for `cells`, free cells of the map in row-major order: K numbers of `field`
-    /// for each. Scans are cast, measured and forgotten block by block.
+    /// Writes the distribution over the classes for `cells`, free cells of the map in row-major order: K numbers of
+    /// `field` for each. Scans are cast, measured and dropped block by block.
     ///
     /// Cost: that of the features in use, and a comparison and an addition for every cell and stump.
     ///
@@ -97,7 +97,7 @@ impl DecisionList {
         });
     }
 
-    /// Puts distributions in place of scores, K numbers an example.
+    /// Replaces scores by distributions, K numbers per example.
     fn to_distributions(&self, rows: &mut [f32]) {
         for row in rows.chunks_exact_mut(self.order.len()) {
             let p = self.probabilities(row);

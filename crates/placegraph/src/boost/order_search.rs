@@ -15,10 +15,10 @@ use crate::labels::Label;
 /// Examples that are walked through the tree together: their state stays in cache.
 const BLOCK: usize = 1024;
 
-/// How well one order of the decision list does.
+/// The accuracy of one order of the decision list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OrderScore {
-    /// The labels, first asked first.
+    /// The labels in the order of the list.
     pub order: Vec<Label>,
     /// Share of examples whose most probable label is the true one.
     pub accuracy: f64,
@@ -215,5 +215,17 @@ mod tests {
         assert!((found[0].accuracy - 0.75).abs() < 1e-15);
         // F1 of class 0: 2 · 3 / (4 + 3); class 1 is never found.
         assert!((found[0].macro_f1 - 3.0 / 7.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn many_examples_score_as_few_in_the_same_shares() {
+        let rows = [2.0, -2.0, 3.0, -2.0, 2.0, -3.0];
+        let few = search_order(&Scores::from_rows(3, rows.to_vec()), &[Label(0), Label(1)], &[1; 3], 1.0);
+        let labels = [Label(0), Label(1)].repeat(10_000);
+        let many = search_order(&Scores::from_rows(3, rows.repeat(10_000)), &labels, &[1; 3], 1.0);
+        for (few, many) in few.iter().zip(&many) {
+            assert_eq!(few.order, many.order);
+            assert!((few.accuracy - many.accuracy).abs() + (few.macro_f1 - many.macro_f1).abs() < 1e-12);
+        }
     }
 }

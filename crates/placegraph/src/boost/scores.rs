@@ -47,7 +47,7 @@ impl CompiledClassifiers {
         Self { columns, cuts }
     }
 
-    /// The features that any stump looks at, in ascending order.
+    /// The features that the stumps use, in ascending order.
     pub fn columns(&self) -> &[FeatureId] {
         &self.columns
     }
@@ -102,7 +102,7 @@ fn cuts_of(classifier: &StrongClassifier, columns: &[FeatureId]) -> Vec<Cut> {
 }
 
 impl Scores {
-    /// Takes `values`, `n_classes` an example.
+    /// Makes the table from `values`, `n_classes` per example.
     ///
     /// # Panics
     /// If the length is no multiple of `n_classes`.
@@ -132,7 +132,7 @@ impl Scores {
     }
 }
 
-/// The scores of the examples in `rows` of `table`, which has all columns that the classifiers look at.
+/// The scores of the examples in `rows` of `table`, which has all columns that the classifiers use.
 ///
 /// # Panics
 /// If a column is missing.

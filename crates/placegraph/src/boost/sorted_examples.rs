@@ -1,4 +1,5 @@
-//! Examples sorted by every feature once, and dealt into bins of neighboring values, for the exact search of thresholds.
+//! Examples sorted once by every feature, and divided into bins of neighboring values, for the exact search of
+//! thresholds.
 
 use std::ops::Range;
 
@@ -16,7 +17,7 @@ const STREAMS: usize = 16;
 
 /// Chosen rows of a feature table, numbered class after class.
 ///
-/// Memory: 5 bytes per example and column beside the table.
+/// Memory: 5 bytes per example and column in addition to the table.
 #[derive(Debug)]
 pub(super) struct SortedExamples<'a> {
     table: &'a FeatureTable,
@@ -70,6 +71,11 @@ impl<'a> SortedExamples<'a> {
         self.table
     }
 
+    /// Row of the table of every example.
+    pub(super) fn rows(&self) -> &[u32] {
+        &self.rows
+    }
+
     /// Number of examples.
     pub(super) fn n_examples(&self) -> usize {
         self.rows.len()
@@ -109,7 +115,7 @@ impl<'a> SortedExamples<'a> {
 }
 
 /// Rows from distant places in turn: neighbors have like values, and sums over examples that fall into one bin after
-/// the other would wait for one another.
+/// the other would wait for each other.
 fn in_turn(rows: &[u32]) -> impl Iterator<Item = u32> + '_ {
     let step = rows.len().div_ceil(STREAMS).max(1);
     (0..step.min(rows.len())).flat_map(move |first| rows[first..].iter().step_by(step).copied())

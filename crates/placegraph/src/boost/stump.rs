@@ -2,7 +2,7 @@
 
 use crate::features::FeatureId;
 
-/// On which side of its threshold a stump says yes: the sign p of Eq. (4.1).
+/// The side of its threshold on which a stump answers yes: the sign p of Eq. (4.1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Polarity {
     /// p = +1: yes where the value lies below the threshold.
@@ -11,7 +11,7 @@ pub enum Polarity {
     Above,
 }
 
-/// A weak classifier that looks at one feature (Eq. 4.1).
+/// A weak classifier that uses one feature (Eq. 4.1).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DecisionStump {
     /// The feature f.
@@ -23,7 +23,7 @@ pub struct DecisionStump {
 }
 
 impl DecisionStump {
-    /// Whether h = +1 for `value` of the stump's feature. A value equal to the threshold is a no.
+    /// Whether h = +1 for `value` of the stump's feature. A value equal to the threshold gives −1.
     pub fn says_yes(&self, value: f32) -> bool {
         // Eq. (4.1): p f(x) < p θ.
         match self.polarity {
@@ -50,7 +50,7 @@ pub struct StrongClassifier {
 }
 
 impl StrongClassifier {
-    /// Score F(x) = Σ α h(x) of one example, whose features `value_of` knows.
+    /// Score F(x) = Σ α h(x) of one example, whose features `value_of` returns.
     ///
     /// This is the plain formula; [`super::CompiledClassifiers`] evaluates many cells at once.
     pub fn score(&self, value_of: impl Fn(FeatureId) -> f32) -> f64 {
@@ -73,7 +73,7 @@ impl StrongClassifier {
 /// fitted on held-out cells makes the confidences honest (Platt 1999).
 pub fn confidence(score: f64, temperature: f64) -> (f64, f64) {
     // Eq. (4.2) as 1 / (1 + e^(−2F)): the printed quotient overflows for |F| > 700.
-    let e = (-2.0 * (score / temperature).abs()).exp();
+    let e = libm::exp(-2.0 * (score / temperature).abs());
     let (likely, unlikely) = (1.0 / (1.0 + e), e / (1.0 + e));
     if score >= 0.0 { (likely, unlikely) } else { (unlikely, likely) }
 }

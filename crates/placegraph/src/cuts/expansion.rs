@@ -21,7 +21,7 @@ use crate::labels::{Label, Labeling};
 pub struct Potentials {
     /// θ, node-major, one per node and label; any finite numbers.
     pub node: Vec<f64>,
-    /// λ, one per label, none negative: what an edge earns whose ends both have the label.
+    /// λ, one per label, none negative: the reward of an edge if both of its ends have the label.
     pub edge: Vec<f64>,
     /// Which cells share an edge.
     pub connectivity: Connectivity,
@@ -234,7 +234,7 @@ impl<'a, const D: usize, C: Capacity, R: Fn(usize, &mut Vec<f64>)> Expansion<'a,
         }
     }
 
-    /// Lets the nodes change to `alpha` for which this together is best; tells whether the score rose.
+    /// Lets the nodes change to `alpha` if this is best for them together; returns whether the score rose.
     fn expand(&mut self, alpha: usize) -> bool {
         let from_source = self.set_capacities(alpha);
         let gain = from_source - self.cut.solve();

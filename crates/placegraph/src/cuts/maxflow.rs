@@ -117,7 +117,7 @@ impl<const D: usize, C: Capacity> GridCut<D, C> {
         }
     }
 
-    /// Position of `cell`, by which the other functions name it.
+    /// Position of `cell`, as the other functions use it.
     pub fn position(&self, cell: Cell) -> usize {
         self.framed_position(cell.x + 1, cell.y + 1)
     }
@@ -137,7 +137,7 @@ impl<const D: usize, C: Capacity> GridCut<D, C> {
         position.wrapping_add_signed(self.offsets[d])
     }
 
-    /// Takes all capacities away.
+    /// Sets all capacities to 0.
     pub fn clear(&mut self) {
         self.nodes.fill(Node::EMPTY);
     }
@@ -147,7 +147,7 @@ impl<const D: usize, C: Capacity> GridCut<D, C> {
         self.nodes[position].excess += excess;
     }
 
-    /// Gives the edge in direction `d` the same `capacity` both ways.
+    /// Gives the edge in direction `d` the same `capacity` in both directions.
     pub fn set_edge(&mut self, position: usize, d: usize, capacity: i32) {
         debug_assert!(capacity >= 0, "capacities are not negative");
         let neighbor = self.neighbor(position, d);
@@ -155,13 +155,13 @@ impl<const D: usize, C: Capacity> GridCut<D, C> {
         self.nodes[neighbor].residual[D - 1 - d] = C::of(capacity);
     }
 
-    /// Whether `position` is on the sink's side of the minimum cut, after [`GridCut::solve`]. Where several cuts are
-    /// minimal, the one with the smallest sink side is taken.
+    /// Whether `position` is on the sink's side of the minimum cut, after [`GridCut::solve`]. Of several minimum
+    /// cuts, the one with the smallest sink side is used.
     pub fn is_sink_side(&self, position: usize) -> bool {
         self.nodes[position].tree == Tree::Sink
     }
 
-    /// Pushes flow until none gets through; returns how much did.
+    /// Pushes flow until no more gets through; returns the total flow.
     pub fn solve(&mut self) -> i64 {
         self.time = 0;
         let mut flow = self.plant_trees();

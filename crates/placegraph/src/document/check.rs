@@ -1,4 +1,4 @@
-//! What a `topology.json` is checked for before other code relies on it.
+//! Checks of a `topology.json`, before other code relies on it.
 
 use std::collections::BTreeSet;
 
@@ -7,12 +7,14 @@ use crate::geom::Point2;
 use crate::grid::MapFrame;
 use crate::labels::Class;
 use crate::text::is_printable;
-use crate::topology::{Connection, MAX_NAME_CHARS, Place, PlaceId};
+use crate::topology::{Connection, MAX_NAME_CHARS, Place, PlaceId, Route, Shortcut};
 
 /// Points may lie this far outside of the grid: what rounding in any frame moves them.
 const MARGIN_CELLS: f64 = 1.0;
 /// Areas may differ from those of their cells by this much, relatively and in m²: documents round them.
 const AREA_ROUNDING: f64 = 1e-6;
+/// Coordinates of documents are rounded; two of them differ by at most this much more, in meters.
+const POINT_ROUNDING_M: f64 = 1e-8;
 /// Longest name that is read: that of a class or one given by hand, with a number behind it.
 const MAX_NAME: usize = 2 * MAX_NAME_CHARS;
 
@@ -21,6 +23,7 @@ pub(super) fn check(document: &TopologyDocument) -> Result<(), TopologyError> {
     let frame = check_map(document)?;
     check_places(document)?;
     check_connections(document)?;
+    check_shortcuts(document)?;
     check_files(document)?;
     Geometry { document, frame }.check()
 }
@@ -91,6 +94,30 @@ fn check_connections(document: &TopologyDocument) -> Result<(), TopologyError> {
     Ok(())
 }
 
+/// Every end of a shortcut is a doorway that touches the place.
+fn check_shortcuts(document: &TopologyDocument) -> Result<(), TopologyError> {
+    let place = |id: PlaceId| {
+        let found = document.places.binary_search_by_key(&id, |place| place.id);
+        found.ok().map(|index| &document.places[index])
+    };
+    let is_connected = |p: PlaceId, q: PlaceId| {
+        let pair = (p.min(q), p.max(q));
+        document.connections.binary_search_by_key(&pair, |connection| (connection.a, connection.b)).is_ok()
+    };
+    let mut previous = None;
+    for way in &document.shortcuts {
+        let &Shortcut { within, a, b, .. } = way;
+        let is_gate =
+            |id: PlaceId| place(id).is_some_and(|place| place.doorway.is_some()) && is_connected(id, within);
+        let key = Some((within, a, b));
+        if a >= b || key <= previous || !is_gate(a) || !is_gate(b) {
+            return Err(TopologyError::Shortcut { within: within.0, a: a.0, b: b.0 });
+        }
+        previous = key;
+    }
+    Ok(())
+}
+
 fn check_id(
     document: &TopologyDocument,
     id: PlaceId,
@@ -130,7 +157,8 @@ impl Geometry<'_> {
                 return Err(TopologyError::Outlines { n_cells });
             }
         }
-        self.document.connections.iter().try_for_each(|connection| self.check_connection(connection))
+        self.document.connections.iter().try_for_each(|connection| self.check_connection(connection))?;
+        self.document.shortcuts.iter().try_for_each(|way| self.check_shortcut(way))
     }
 
     fn check_place(&self, place: &Place) -> Result<(), TopologyError> {
@@ -153,6 +181,11 @@ impl Geometry<'_> {
         if let Some(doorway) = &place.doorway {
             measure(doorway.width_m, || of("width"))?;
             self.points(&doorway.jambs, || of("jambs"))?;
+            let found_m = doorway.jambs[0].distance(doorway.jambs[1]);
+            if (found_m - doorway.width_m).abs() > 0.5 * self.frame.resolution_m() {
+                let (place, width_m) = (place.id.0, doorway.width_m);
+                return Err(TopologyError::Jambs { place, width_m, found_m });
+            }
         }
         Ok(())
     }
@@ -162,21 +195,56 @@ impl Geometry<'_> {
             |what: &str| format!("the {what} of the connection {} to {}", connection.a.0, connection.b.0);
         measure(connection.contact_m, || of("contact"))?;
         self.points(&[connection.middle], || of("middle"))?;
-        if let Some(route) = &connection.route {
-            measure(route.length_m, || of("length"))?;
-            self.points(&route.line, || of("route"))?;
-            let straight_m = match route.line.as_slice() {
-                [] => f64::INFINITY,
-                [first, .., last] => first.distance(*last),
-                [_] => 0.0,
-            };
-            if route.length_m < straight_m - self.frame.resolution_m() {
-                let (a, b) = (connection.a.0, connection.b.0);
-                let (n_points, length_m) = (route.line.len(), route.length_m);
-                return Err(TopologyError::Route { a, b, n_points, length_m });
+        let ends = [connection.a, connection.b];
+        connection.route.as_ref().map_or(Ok(()), |route| self.check_route(route, ends, of))
+    }
+
+    fn check_shortcut(&self, way: &Shortcut) -> Result<(), TopologyError> {
+        let Shortcut { within, a, b, route } = way;
+        let of = |what: &str| format!("the {what} of the shortcut {} to {} within {}", a.0, b.0, within.0);
+        self.check_route(route, [*a, *b], of)
+    }
+
+    fn check_route(
+        &self,
+        route: &Route,
+        [a, b]: [PlaceId; 2],
+        of: impl Fn(&str) -> String,
+    ) -> Result<(), TopologyError> {
+        measure(route.length_m, || of("length"))?;
+        self.points(&route.line, || of("route"))?;
+        let straight_m = match route.line.as_slice() {
+            [] => f64::INFINITY,
+            [first, .., last] => first.distance(*last),
+            [_] => 0.0,
+        };
+        if route.length_m < straight_m - self.frame.resolution_m() {
+            let (n_points, length_m) = (route.line.len(), route.length_m);
+            return Err(TopologyError::Route { a: a.0, b: b.0, n_points, length_m });
+        }
+        let ends = [(a, route.line.first()), (b, route.line.last())];
+        for (id, &Point2 { x, y }) in ends.into_iter().filter_map(|(id, end)| Some((id, end?))) {
+            if !self.may_end_in(id, Point2 { x, y }) {
+                return Err(TopologyError::RouteEnd { a: a.0, b: b.0, place: id.0, x, y });
             }
         }
         Ok(())
+    }
+
+    /// Whether the point lies within the columns and rows of the place's outline. Routes end in the middle of cells.
+    fn may_end_in(&self, id: PlaceId, point: Point2) -> bool {
+        let places = &self.document.places;
+        let Ok(index) = places.binary_search_by_key(&id, |place| place.id) else { return false };
+        let mut corners = places[index].rings().flatten().map(|&corner| self.frame.cells_from_map(corner));
+        let Some(first) = corners.next() else { return true };
+        let (low, high) = corners.fold((first, first), |(low, high), corner| {
+            let low = Point2::new(low.x.min(corner.x), low.y.min(corner.y));
+            (low, Point2::new(high.x.max(corner.x), high.y.max(corner.y)))
+        });
+        let margin = 0.25 + POINT_ROUNDING_M / self.frame.resolution_m();
+        let inside = |v: f64, low: f64, high: f64| (low - margin..=high + margin).contains(&v);
+        let point = self.frame.cells_from_map(point);
+        inside(point.x, low.x, high.x) && inside(point.y, low.y, high.y)
     }
 
     fn points(&self, points: &[Point2], of: impl Fn() -> String) -> Result<(), TopologyError> {

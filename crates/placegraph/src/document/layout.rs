@@ -1,24 +1,22 @@
-//! JSON that people can read and that stays small: three levels indented, the rest on one line each.
+//! JSON that people can read and that stays small: the upper levels are indented, the rest is on one line each.
 
 use std::io::{self, Write};
 
 use serde::Serialize;
 use serde_json::ser::{Formatter, Serializer};
 
-/// Levels that get lines of their own.
-const INDENTED_LEVELS: usize = 3;
-
-/// `value` as JSON with a final newline.
-pub(super) fn to_json(value: &impl Serialize) -> serde_json::Result<String> {
+/// `value` as JSON with a final newline, `indented_levels` of it with lines of their own.
+pub(crate) fn to_json(value: &impl Serialize, indented_levels: usize) -> serde_json::Result<String> {
     let mut bytes = Vec::new();
-    value.serialize(&mut Serializer::with_formatter(&mut bytes, Layout::default()))?;
+    let layout = Layout { indented_levels, level: 0, is_empty: false };
+    value.serialize(&mut Serializer::with_formatter(&mut bytes, layout))?;
     bytes.push(b'\n');
     String::from_utf8(bytes).map_err(|error| serde_json::Error::io(io::Error::other(error)))
 }
 
 /// Where the writer is.
-#[derive(Default)]
 struct Layout {
+    indented_levels: usize,
     level: usize,
     is_empty: bool,
 }
@@ -31,7 +29,7 @@ impl Layout {
     }
 
     fn close<W: ?Sized + Write>(&mut self, writer: &mut W, bracket: &[u8]) -> io::Result<()> {
-        let had_lines = self.level <= INDENTED_LEVELS && !self.is_empty;
+        let had_lines = self.level <= self.indented_levels && !self.is_empty;
         self.level -= 1;
         self.is_empty = false;
         if had_lines {
@@ -45,7 +43,7 @@ impl Layout {
         if !first {
             writer.write_all(b",")?;
         }
-        match (self.level <= INDENTED_LEVELS, first) {
+        match (self.level <= self.indented_levels, first) {
             (true, _) => self.new_line(writer),
             (false, true) => Ok(()),
             (false, false) => writer.write_all(b" "),
@@ -54,7 +52,7 @@ impl Layout {
 
     fn new_line<W: ?Sized + Write>(&self, writer: &mut W) -> io::Result<()> {
         writer.write_all(b"\n")?;
-        writer.write_all(&b"      "[..2 * self.level.min(INDENTED_LEVELS)])
+        writer.write_all("  ".repeat(self.level.min(self.indented_levels)).as_bytes())
     }
 }
 
@@ -96,7 +94,7 @@ mod tests {
     fn three_levels_then_one_line() {
         let value = serde_json::json!({ "a": [{ "b": [1, [2, 3]], "c": {} }], "d": [] });
         assert_eq!(
-            to_json(&value).unwrap(),
+            to_json(&value, 3).unwrap(),
             "{\n  \"a\": [\n    {\n      \"b\": [1, [2, 3]],\n      \"c\": {}\n    }\n  ],\n  \"d\": []\n}\n"
         );
     }

@@ -1,7 +1,8 @@
-//! `topology.json`: the topological map as a document, out and in (`docs/topology-json.md`).
+//! `topology.json`: writes and reads the topological map as a document (`docs/topology-json.md`).
 
 mod check;
-mod layout;
+mod error;
+pub(crate) mod layout;
 
 use std::collections::BTreeMap;
 
@@ -13,13 +14,23 @@ use crate::labels::LabelSet;
 use crate::model::sha256_hex;
 use crate::syntax::SyntaxError;
 use crate::topology::reach::GraphCheck;
-use crate::topology::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
+use crate::topology::{
+    Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, Shortcut, TopologicalMap,
+};
 
-/// What the member `format` of every document says.
+pub use error::TopologyError;
+
+/// The value of the member `format` in every document.
 pub const FORMAT: &str = "placegraph-topology";
 
 /// The version of the format that this program writes and reads.
 pub const VERSION: u32 = 1;
+
+/// The frame that every result is in.
+pub const FRAME_ID: &str = "map";
+
+/// Levels of the text that get lines of their own: every place has one.
+const INDENTED_LEVELS: usize = 3;
 
 /// Largest document that is read, in bytes.
 pub const MAX_DOCUMENT_BYTES: u64 = 1 << 30;
@@ -32,11 +43,11 @@ pub struct TopologyDocument {
     pub format: String,
     /// [`VERSION`].
     pub version: u32,
-    /// What wrote the document.
+    /// The program that wrote the document.
     pub program: ProgramInfo,
-    /// The map it is about.
+    /// The map.
     pub map: MapInfo,
-    /// The model that labeled the map; absent where labels came from elsewhere.
+    /// The model that labeled the map; absent if the labels have another source.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub model: Option<ModelInfo>,
     /// The classes, in the order of their labels.
@@ -45,30 +56,31 @@ pub struct TopologyDocument {
     pub places: Vec<Place>,
     /// The connections, by their ends.
     pub connections: Vec<Connection>,
-    /// How good the graph is for the robot; absent where it was not checked.
+    /// Further ways between doors, by place and ends.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shortcuts: Vec<Shortcut>,
+    /// How good the graph is for the robot; absent if it was not checked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub graph: Option<GraphCheck>,
     /// [`TopologicalMap::last_id`]; absent in documents from before there was one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub last_place_id: Option<PlaceId>,
-    /// Wall time of the stages, in milliseconds. Empty where results must not differ between runs.
+    /// Wall time of the stages, in milliseconds. Empty if results must not differ between runs.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub timings_ms: BTreeMap<String, f64>,
-    /// What was noticed about the input, in plain words.
+    /// Remarks about the input, in plain words.
     #[serde(default)]
     pub findings: Vec<String>,
-    /// The formats that were asked for and cannot hold this map.
+    /// The requested formats that cannot hold this map.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub skipped: Vec<SkippedFormat>,
-    /// Those of the findings that keep the result from being what was asked for: nothing is free, an edit does not
-    /// apply.
+    /// The findings that are errors: nothing is free, an edit does not apply.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub errors: Vec<String>,
     /// The files that belong to the result, without the document itself.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub files: Vec<FileRecord>,
-    /// SHA-256 of the document as it is written without this member and `timings_ms`, in hexadecimal: what was changed
-    /// since shows.
+    /// SHA-256 of the document without this member and `timings_ms`, in hexadecimal, which shows later changes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sha256: Option<String>,
 }
@@ -86,12 +98,12 @@ pub struct FileRecord {
 }
 
 impl FileRecord {
-    /// What is to be remembered of a file.
+    /// Describes a file with this name and content.
     pub fn of(name: &str, content: &[u8]) -> Self {
         Self { name: name.to_owned(), bytes: content.len() as u64, sha256: sha256_hex(content) }
     }
 
-    /// Whether `content` is still that of the file.
+    /// Whether `content` is the content of the file.
     pub fn matches(&self, content: &[u8]) -> bool {
         self.bytes == content.len() as u64 && self.sha256 == sha256_hex(content)
     }
@@ -103,7 +115,7 @@ impl FileRecord {
 pub struct SkippedFormat {
     /// Name of the format.
     pub format: String,
-    /// Why the map cannot be written in it.
+    /// Why the format cannot hold the map.
     pub reason: String,
 }
 
@@ -115,12 +127,12 @@ pub struct ProgramInfo {
     pub name: String,
     /// Its version.
     pub version: String,
-    /// The options of the run that its results depend on.
+    /// The options of the run that the result depends on.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub options: Vec<String>,
 }
 
-/// The map that a document is about.
+/// The map of a document.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapInfo {
@@ -150,182 +162,6 @@ pub struct ModelInfo {
     pub hash: String,
 }
 
-/// Why bytes are no topological map.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum TopologyError {
-    /// More bytes than any document has.
-    #[error("expected a document of at most {MAX_DOCUMENT_BYTES} bytes, found {found}")]
-    TooLarge {
-        /// Number of bytes.
-        found: usize,
-    },
-    /// Not the JSON of a document.
-    #[error("expected the JSON of a {FORMAT} document")]
-    Json {
-        /// What the parser says, with line and column.
-        source: SyntaxError,
-    },
-    /// Another kind of document.
-    #[error("expected format {FORMAT:?}, found {found:?}")]
-    Format {
-        /// The format found.
-        found: String,
-    },
-    /// Another version.
-    #[error("expected version {VERSION} of {FORMAT}, found {found}")]
-    Version {
-        /// The version found.
-        found: u64,
-    },
-    /// A grid that cannot be.
-    #[error(
-        "expected a map with cells of a positive size, found {width} x {height} cells of {resolution_m} m"
-    )]
-    Map {
-        /// Columns found.
-        width: u32,
-        /// Rows found.
-        height: u32,
-        /// Resolution found.
-        resolution_m: f64,
-    },
-    /// The map has more cells than allowed.
-    #[error("expected a document of a map of at most {max_cells} cells, found {width} x {height}")]
-    TooManyCells {
-        /// Columns found.
-        width: u32,
-        /// Rows found.
-        height: u32,
-        /// The limit.
-        max_cells: u64,
-    },
-    /// A place has a number that a region image cannot hold.
-    #[error("expected place ids up to {}, found {found}", PlaceId::MAX.0)]
-    PlaceId {
-        /// The id found.
-        found: u32,
-    },
-    /// Two places have one name, or a name cannot be printed.
-    #[error("expected a printable name of its own for every place, found {name:?} for place {place}")]
-    PlaceName {
-        /// The place.
-        place: u32,
-        /// Its name.
-        name: String,
-    },
-    /// A probability is above 1.
-    #[error("expected a probability up to 1 for place {place}, found {found}")]
-    Probability {
-        /// The place.
-        place: u32,
-        /// Its probability.
-        found: f64,
-    },
-    /// The area of a place is not that of its cells.
-    #[error("expected {expected} m² as the area of the cells of place {place}, found {found}")]
-    Area {
-        /// The place.
-        place: u32,
-        /// The area of its cells.
-        expected: f64,
-        /// The area found.
-        found: f64,
-    },
-    /// The places have more cells than the map.
-    #[error("expected places with {n_cells} cells at most, as the map has, found more")]
-    Cells {
-        /// Cells of the map.
-        n_cells: u64,
-    },
-    /// A doorway lists a side twice, or itself.
-    #[error("expected other places, each once, as the sides of place {place}, found {found}")]
-    Sides {
-        /// The doorway.
-        place: u32,
-        /// The side at fault.
-        found: u32,
-    },
-    /// A route has no point, or is shorter than the straight line between its ends.
-    #[error(
-        "expected a route of points and of their length for the connection {a} to {b}, found {n_points} points and {length_m} m"
-    )]
-    Route {
-        /// One end of the connection.
-        a: u32,
-        /// The other end.
-        b: u32,
-        /// Points found.
-        n_points: usize,
-        /// Length found.
-        length_m: f64,
-    },
-    /// A measure is below 0 or no number.
-    #[error("expected a number from 0 as {of}, found {found}")]
-    Measure {
-        /// What is measured.
-        of: String,
-        /// The number found.
-        found: f64,
-    },
-    /// A point lies outside of the map.
-    #[error("expected a point of the map as {of}, found ({x}, {y})")]
-    Point {
-        /// What the point is.
-        of: String,
-        /// First coordinate found.
-        x: f64,
-        /// Second coordinate found.
-        y: f64,
-    },
-    /// Outlines cannot follow the sides of the map's cells.
-    #[error("expected outlines along the sides of {n_cells} cells, found longer ones")]
-    Outlines {
-        /// Cells of the map.
-        n_cells: u64,
-    },
-    /// Places are not numbered upwards from 1 or more.
-    #[error("expected place ids above {previous}, found {found}")]
-    PlaceOrder {
-        /// The id before.
-        previous: u32,
-        /// The id found.
-        found: u32,
-    },
-    /// A place has a class that is not listed, or another role than its class.
-    #[error("expected a class of the document with role {role} in place {place}, found {class:?}")]
-    PlaceClass {
-        /// The place.
-        place: u32,
-        /// Its class.
-        class: String,
-        /// Its role.
-        role: String,
-    },
-    /// The name of a file leads elsewhere.
-    #[error("expected the plain name of a file of the result, found {found:?}")]
-    FileName {
-        /// The name found.
-        found: String,
-    },
-    /// Something refers to a place that is not there.
-    #[error("expected the id of a place in {referrer}, found {found}")]
-    UnknownPlace {
-        /// What refers to it.
-        referrer: String,
-        /// The id found.
-        found: u32,
-    },
-    /// Connections are not in order, or one stands twice, or its ends are swapped.
-    #[error("expected connections in order with a < b, each once, found {a} to {b}")]
-    ConnectionOrder {
-        /// The end `a` found.
-        a: u32,
-        /// The end `b` found.
-        b: u32,
-    },
-}
-
 /// What every version of the format has.
 #[derive(Deserialize)]
 struct Header {
@@ -334,7 +170,7 @@ struct Header {
 }
 
 impl MapInfo {
-    /// What `grid` says of itself, in the frame `map`.
+    /// The description of `grid`, in the frame `map`.
     pub fn of(grid: &OccupancyGrid, name: &str, hash: &str) -> Self {
         Self {
             name: name.to_owned(),
@@ -343,7 +179,7 @@ impl MapInfo {
             origin: grid.frame.map_from_grid(),
             width: grid.cells.width(),
             height: grid.cells.height(),
-            frame_id: "map".to_owned(),
+            frame_id: FRAME_ID.to_owned(),
         }
     }
 }
@@ -381,6 +217,7 @@ impl TopologyDocument {
             classes: classes.clone(),
             places: topology.places.iter().map(rounded_place).collect(),
             connections: topology.connections.iter().map(rounded_connection).collect(),
+            shortcuts: topology.shortcuts.iter().map(rounded_shortcut).collect(),
             graph: None,
             last_place_id: Some(topology.last_id),
             timings_ms: BTreeMap::new(),
@@ -398,11 +235,12 @@ impl TopologyDocument {
         TopologicalMap {
             places: self.places.clone(),
             connections: self.connections.clone(),
+            shortcuts: self.shortcuts.clone(),
             last_id: self.last_place_id.unwrap_or(largest),
         }
     }
 
-    /// Checks that the map has at most `max_cells` cells: what is made of a document may take memory for each.
+    /// Checks that the map has at most `max_cells` cells, because uses of a document may take memory for each cell.
     ///
     /// # Errors
     /// If it has more.
@@ -415,15 +253,15 @@ impl TopologyDocument {
         }
     }
 
-    /// The document as text.
+    /// The text of the document.
     ///
     /// # Errors
     /// If a number is out of the range of JSON; no document made by [`TopologyDocument::new`] has one.
     pub fn to_json(&self) -> Result<String, TopologyError> {
-        layout::to_json(self).map_err(|error| syntax(&error))
+        layout::to_json(self, INDENTED_LEVELS).map_err(|error| syntax(&error))
     }
 
-    /// Names the hash of the document in it: results that say the same have the same, whenever they were made.
+    /// Stores the hash of the document in it: equal results have equal hashes, whenever they were made.
     ///
     /// # Errors
     /// As [`TopologyDocument::to_json`].
@@ -432,7 +270,7 @@ impl TopologyDocument {
         Ok(())
     }
 
-    /// Whether the document says what it said when it was sealed.
+    /// Whether the document is unchanged since it was sealed.
     pub fn is_sealed(&self) -> bool {
         self.sha256.is_some() && self.fingerprint().ok() == self.sha256
     }
@@ -460,8 +298,13 @@ impl TopologyDocument {
             return Err(TopologyError::Version { found: header.version });
         }
         let document: Self = serde_json::from_slice(bytes).map_err(|error| syntax(&error))?;
-        check::check(&document)?;
+        document.check()?;
         Ok(document)
+    }
+
+    /// Checks that the document does not contradict itself.
+    pub(crate) fn check(&self) -> Result<(), TopologyError> {
+        check::check(self)
     }
 }
 
@@ -521,12 +364,20 @@ fn rounded_connection(connection: &Connection) -> Connection {
     Connection {
         contact_m: rounded(connection.contact_m),
         middle: rounded_point(connection.middle),
-        route: connection.route.as_ref().map(|route| Route {
-            length_m: rounded(route.length_m),
-            line: rounded_points(&route.line),
-            // Down, so that what is written is kept.
-            clearance_m: route.clearance_m.map(|clearance| (clearance * 1e4).floor() / 1e4),
-        }),
+        route: connection.route.as_ref().map(rounded_route),
         ..*connection
+    }
+}
+
+fn rounded_shortcut(way: &Shortcut) -> Shortcut {
+    Shortcut { route: rounded_route(&way.route), ..*way }
+}
+
+fn rounded_route(route: &Route) -> Route {
+    Route {
+        length_m: rounded(route.length_m),
+        line: rounded_points(&route.line),
+        // Down, so that what is written is kept.
+        clearance_m: route.clearance_m.map(|clearance| (clearance * 1e4).floor() / 1e4),
     }
 }

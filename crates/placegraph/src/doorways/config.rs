@@ -3,7 +3,10 @@
 //! Where no other source is named, a number was chosen on generated buildings, with no real map looked at
 //! (`docs/default-model.md`, "What was tried"). Numbers in whole and half cells that follow from how cells are drawn stand where they are used.
 
+use std::borrow::Cow;
+
 use super::GateModel;
+use crate::boost::WeightedStump;
 
 /// The sizes of gates, and when one is a doorway.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,9 +45,13 @@ pub struct DoorwayConfig {
     pub well_formed_width_m: [f64; 2],
     /// Greatest depth of a doorway by its form, in meters. Default 0.85: a thick wall with its frame.
     pub well_formed_depth_m: f64,
-    /// Least probability that a gate parts two spaces. Default 0.015: what cuts a space
-    /// need not be sure, as both sides may get one class.
+    /// Least probability that a gate parts two spaces. Default 0.05: what cuts a space
+    /// need not be sure, as both sides may get one class (the same page).
     pub min_parting: f64,
+    /// How much less probable a doorway may be that stood in an earlier result which is held on to. Default 0.3.
+    pub held_lead: f64,
+    /// How much more probable a doorway must be in cells where such a result had none. Default 0.1.
+    pub new_lag: f64,
     /// How the direction of the walls around a gate is found.
     pub walls: WallConfig,
 }
@@ -61,6 +68,18 @@ pub struct WallConfig {
     pub min_agreement: f64,
     /// A gate is turned by at most this angle, in degrees: what lies more askew is a door in another wall. Default 25.
     pub max_turn_deg: f64,
+}
+
+impl DoorwayConfig {
+    /// These settings with what painted doorways added to the model of gates.
+    pub fn heeding(&self, stumps: &[WeightedStump]) -> Cow<'_, Self> {
+        if stumps.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut config = self.clone();
+        config.model.doorway.classifier.stumps.extend(stumps);
+        Cow::Owned(config)
+    }
 }
 
 impl Default for DoorwayConfig {
@@ -81,7 +100,9 @@ impl Default for DoorwayConfig {
             min_well_formed: 0.05,
             well_formed_width_m: [0.6, 2.6],
             well_formed_depth_m: 0.85,
-            min_parting: 0.015,
+            min_parting: 0.05,
+            held_lead: 0.3,
+            new_lag: 0.1,
             walls: WallConfig::default(),
         }
     }

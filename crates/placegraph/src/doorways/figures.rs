@@ -4,12 +4,13 @@
 //! the first: a figure takes the lower or the higher value of both. "Scans" is the field of single scans, "smoothed" the
 //! field after the neighbors were heard.
 
+use super::WallConfig;
 use super::flood::{Flood, Window};
 use super::gate::{self, Narrow, center_of};
 use super::paint;
-use super::{WallConfig, walls};
+use super::walls::{self, Directions};
 use crate::geom::{Point2, Vec2};
-use crate::grid::{Cell, CellGraph, Obstacles};
+use crate::grid::{Cell, CellGraph, NO_NODE, Obstacles};
 use crate::labels::{LabelField, LabelSet, Role};
 
 /// One figure of a gate.
@@ -104,10 +105,8 @@ registry! {
     "support", "what the labels say: the larger of `inside_smoothed` and `difference_smoothed`", |m| m.support();
 }
 
-/// Walks within which the largest clearance is taken, in meters.
+/// Walks within which the largest clearance is taken, and within all but the first the area, in meters.
 const WIDEST_M: [f64; 4] = [0.6, 1.0, 1.5, 2.5];
-/// Walks within which the area is taken, in meters.
-const AREA_M: [f64; 3] = [1.0, 1.5, 2.5];
 /// The labels of a side are read from this to that walk, in meters.
 const LABELS_M: [f64; 2] = [0.4, 1.5];
 /// Distances before the gate where the free way along the wall is taken, in meters.
@@ -202,6 +201,9 @@ pub(super) struct Surroundings<'a> {
     pub(super) clearance: &'a [u32],
     /// The same without any furniture that stands free.
     pub(super) bare: &'a CellGraph,
+    pub(super) directions: &'a Directions,
+    /// The node of `graph` in the cell of every node of `cleared`, [`NO_NODE`] in a speck.
+    pub(super) node_of: &'a [u32],
     /// The field of single scans and the smoothed one.
     pub(super) fields: [&'a LabelField; 2],
     pub(super) label_set: &'a LabelSet,
@@ -235,7 +237,7 @@ impl Surroundings<'_> {
             });
         }
         let of_map = |nodes: Vec<usize>| -> Vec<usize> {
-            nodes.into_iter().filter_map(|node| self.graph.node_at(self.cleared.cell(node))).collect()
+            nodes.into_iter().filter_map(|node| self.of_map(node)).collect()
         };
         let line = of_map(paint::nodes_in(self.cleared, gate, 0.75));
         let inside = of_map(paint::strip(self.cleared, gate, 0.2 / r));
@@ -249,7 +251,7 @@ impl Surroundings<'_> {
             jamb_m: self.jamb_m(gate),
             inline: [1.0, -1.0].map(|end| self.inline(gate, end)),
             thickness_m: self.thickness_m(gate, 1.0).min(self.thickness_m(gate, -1.0)),
-            turn_rad: walls::turn(self.cleared, self.clearance, r, self.walls, gate).map_or(0.8, f64::abs),
+            turn_rad: walls::turn(self.directions, r, self.walls, gate).map_or(0.8, f64::abs),
             clutter: self.clutter(gate),
             narrowest_nearby: all
                 .iter()
@@ -259,36 +261,49 @@ impl Surroundings<'_> {
         }
     }
 
+    fn of_map(&self, node: usize) -> Option<usize> {
+        Some(self.node_of[node]).filter(|&node| node != NO_NODE).map(|node| node as usize)
+    }
+
     fn side(&self, gate: &Narrow, window: &Window, flood: &Flood, width_m: f64) -> Side {
         let r = self.resolution_m;
         let half = gate.width / 2.0;
         let mut side = Side { reach_m: [MAX_WAY_M / 2.0; 2], ..Side::default() };
-        let (mut widest, mut n_cells, mut n_by_w) = ([0u32; 5], [0u32; 3], 0u32);
+        // Walks come in the order of their length: what is within one is known where the first longer one comes.
+        let [from_m, to_m] = LABELS_M;
+        let within_m = WIDEST_M.into_iter().chain([1.5 * width_m]);
+        let (mut widest, mut n_cells) = ([None; 5], [None; 5]);
+        let (mut highest, mut n) = (0u32, 0u32);
         let mut label_nodes = Vec::new();
+        let mut last = u32::MAX;
         for (node, steps) in flood.visited(window) {
-            let (clearance, walked_m) = (self.clearance[node], steps as f64 * r);
-            let wide = (clearance as f64).sqrt() / half;
-            for (reach, times) in side.reach_m.iter_mut().zip([1.2, 1.5]) {
-                if wide >= times && walked_m < *reach {
-                    *reach = walked_m;
+            let walked_m = steps as f64 * r;
+            if steps != last {
+                last = steps;
+                for (k, _) in within_m.clone().enumerate().filter(|&(_, within_m)| walked_m > within_m) {
+                    widest[k].get_or_insert(highest);
+                    n_cells[k].get_or_insert(n);
                 }
             }
-            let is_within_w = walked_m <= 1.5 * width_m;
-            for (widest, within) in widest.iter_mut().zip(WIDEST_M.into_iter().chain([1.5 * width_m])) {
-                if walked_m <= within {
-                    *widest = clearance.max(*widest);
+            n += 1;
+            let clearance = self.clearance[node];
+            if clearance > highest {
+                highest = clearance;
+                let wide = (clearance as f64).sqrt() / half;
+                for (reach, times) in side.reach_m.iter_mut().zip([1.2, 1.5]) {
+                    if wide >= times && walked_m < *reach {
+                        *reach = walked_m;
+                    }
                 }
             }
-            for (n, within) in n_cells.iter_mut().zip(AREA_M) {
-                *n += u32::from(walked_m <= within);
-            }
-            n_by_w += u32::from(is_within_w);
-            if walked_m > LABELS_M[0] && walked_m < LABELS_M[1] {
-                label_nodes.extend(self.graph.node_at(self.cleared.cell(node)));
+            if walked_m > from_m && walked_m < to_m {
+                label_nodes.extend(self.of_map(node));
             }
         }
+        let widest = widest.map(|within| within.unwrap_or(highest));
+        let [_, n_10, n_15, n_25, n_by_w] = n_cells.map(|within| within.unwrap_or(n));
         side.widest = widest.map(|squared| (squared as f64).sqrt() / half);
-        side.area_m2 = n_cells.map(|n| n as f64 * r * r);
+        side.area_m2 = [n_10, n_15, n_25].map(|n| n as f64 * r * r);
         side.area_by_w = n_by_w as f64 * r * r / (width_m * width_m);
         side.classes = [0, 1].map(|field| self.means(field, &label_nodes));
         let of_role = |classes: &Vec<f64>, role: Role| {

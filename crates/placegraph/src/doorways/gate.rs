@@ -157,6 +157,7 @@ fn opposite_walls(graph: &CellGraph, node: usize, squared_clearance: u32) -> Vec
     let steps = reach.floor() as i32;
     let walls: Vec<(i32, i32)> = (-steps..=steps)
         .flat_map(|y| (-steps..=steps).map(move |x| (x, y)))
+        .filter(|&(x, y)| x * x + y * y >= squared_clearance as i32)
         .filter(|&(x, y)| f64::from(x * x + y * y) <= reach * reach)
         .filter(|&(x, y)| !is_free(graph, here + Vec2::new(x.into(), y.into())))
         .collect();

@@ -30,13 +30,14 @@ mod walls;
 use rayon::prelude::*;
 
 use crate::geom::{Point2, Vec2};
-use crate::grid::{CellGraph, FreeSpace, Obstacles};
-use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
+use crate::grid::{CellGraph, FreeSpace, NO_NODE, Obstacles};
+use crate::labels::{Held, Label, LabelField, LabelSet, Labeling, Role};
 use figures::Surroundings;
 use gate::Narrow;
+use walls::Directions;
 
 pub use config::{DoorwayConfig, WallConfig};
-pub use model::{Calibrated, GateModel, GateModelError};
+pub use model::GateModel;
 
 /// A narrow place between two walls, with all that was measured of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,14 +87,18 @@ pub fn figure_table() -> Vec<(&'static str, &'static str)> {
 /// the latter gives its next best label to what was doorway. Without a class of role doorway no label changes;
 /// with several, a doorway takes the one that the smoothed field finds most probable in it.
 ///
+/// `held` are the labels of an earlier result: a doorway that was there stays with less evidence than a new one needs
+/// ([`DoorwayConfig::held_lead`]).
+///
 /// # Panics
-/// If `fields` or `labeling` do not belong to `space`, or a label is not of `label_set`.
+/// If `fields`, `labeling` or `held` do not belong to `space`, or a label is not of `label_set`.
 pub fn mark(
     space: &FreeSpace,
     fields: [&LabelField; 2],
     labeling: &[Label],
     label_set: &LabelSet,
     config: &DoorwayConfig,
+    held: Held<'_>,
 ) -> Marked {
     let n_nodes = space.graph.n_nodes();
     let [_, smoothed] = fields;
@@ -102,33 +107,28 @@ pub fn mark(
         "one label per node"
     );
     let is_doorway = |label: Label| label_set.role(label) == Role::Doorway;
-    let mut marked = labeling.to_vec();
+    let marked = labeling.to_vec();
     if !label_set.labels().any(is_doorway) {
         return Marked { labeling: marked, cuts: Vec::new() };
     }
     let search = Search::of(space, config);
     let gates = search.gates(fields, label_set);
-    let doorways = doorways(&gates, config, space.in_cells(config.margin_m));
-    // Turned into the line of its walls, which takes as long as all figures, is only what is marked.
-    let strips: Vec<Vec<usize>> = doorways.par_iter().map(|gate| search.strip(&gate.narrow)).collect();
-    let mut in_strip = vec![false; n_nodes];
-    for strip in &strips {
-        if let Some(label) = most_probable(smoothed, strip, label_set, |role| role == Role::Doorway) {
-            for &node in strip {
-                marked[node] = label;
-                in_strip[node] = true;
-            }
-        }
-    }
-    for node in 0..n_nodes {
-        if is_doorway(marked[node]) && !in_strip[node] {
-            let other = most_probable(smoothed, &[node], label_set, |role| role != Role::Doorway);
-            marked[node] = other.unwrap_or(marked[node]);
-        }
-    }
-    let parts = |gate: &Gate| config.model.parting.probability(&gate.figures) >= config.min_parting;
-    let cuts = gates.iter().filter(|gate| parts(gate)).map(|gate| search.line(&gate.narrow)).collect();
-    Marked { labeling: marked, cuts }
+    search.mark(&gates, smoothed, marked, label_set, held)
+}
+
+/// [`mark`] with the `gates` of the map, found before by the same `config` but for what decides which of them are marked.
+///
+/// # Panics
+/// If `smoothed` or `labeling` do not belong to `space`, or a label is not of `label_set`.
+pub fn mark_gates(
+    space: &FreeSpace,
+    gates: &[Gate],
+    smoothed: &LabelField,
+    labeling: &[Label],
+    label_set: &LabelSet,
+    config: &DoorwayConfig,
+) -> Marked {
+    Search::of(space, config).mark(gates, smoothed, labeling.to_vec(), label_set, None)
 }
 
 /// All gates of a map, narrowest first, with their figures.
@@ -154,6 +154,7 @@ struct Search<'a> {
     /// The free cells, and those of specks.
     cleared: CellGraph,
     clearance: Vec<u32>,
+    directions: Directions,
 }
 
 impl<'a> Search<'a> {
@@ -161,11 +162,12 @@ impl<'a> Search<'a> {
         let max_speck = space.in_cells(config.max_speck_m).round() as u32;
         let cleared = Obstacles::of(&space.graph).cleared(max_speck);
         let clearance = saddles::squared_clearance(&cleared);
-        Self { space, config, cleared, clearance }
+        let directions = Directions::of(&cleared, &clearance, &config.walls);
+        Self { space, config, cleared, clearance, directions }
     }
 
     fn gates(&self, fields: [&LabelField; 2], label_set: &LabelSet) -> Vec<Gate> {
-        let Self { space, config, cleared, clearance } = self;
+        let Self { space, config, cleared, clearance, directions } = self;
         let resolution_m = space.resolution_m();
         let found = gate::candidates(cleared, clearance, resolution_m, config);
         let found = gate::with_ends(cleared, &found, space.in_cells(config.deep_m));
@@ -177,6 +179,8 @@ impl<'a> Search<'a> {
             cleared,
             clearance,
             bare: &bare,
+            directions,
+            node_of: &self.nodes_of_map(),
             fields,
             label_set,
             walls: &config.walls,
@@ -189,9 +193,55 @@ impl<'a> Search<'a> {
         found.par_iter().map(measured).collect()
     }
 
+    fn mark(
+        &self,
+        gates: &[Gate],
+        smoothed: &LabelField,
+        mut marked: Labeling,
+        label_set: &LabelSet,
+        held: Held<'_>,
+    ) -> Marked {
+        let Self { space, config, .. } = self;
+        let is_doorway = |label: Label| label_set.role(label) == Role::Doorway;
+        let lead = |gate: &Gate| held.map_or(0.0, |held| self.lead(gate, held, is_doorway));
+        let doorways = doorways(gates, config, space.in_cells(config.margin_m), lead);
+        // Turned into the line of its walls is only what is marked.
+        let strips: Vec<Vec<usize>> = doorways.par_iter().map(|gate| self.strip(&gate.narrow)).collect();
+        let mut in_strip = vec![false; marked.len()];
+        for strip in &strips {
+            if let Some(label) = most_probable(smoothed, strip, label_set, |role| role == Role::Doorway) {
+                for &node in strip {
+                    marked[node] = label;
+                    in_strip[node] = true;
+                }
+            }
+        }
+        for node in 0..marked.len() {
+            if is_doorway(marked[node]) && !in_strip[node] {
+                let other = most_probable(smoothed, &[node], label_set, |role| role != Role::Doorway);
+                marked[node] = other.unwrap_or(marked[node]);
+            }
+        }
+        let parts = |gate: &Gate| config.model.parting.probability(&gate.figures) >= config.min_parting;
+        let cuts = gates.iter().filter(|gate| parts(gate)).map(|gate| self.line(&gate.narrow)).collect();
+        Marked { labeling: marked, cuts }
+    }
+
+    /// How much less evidence a gate needs to be a doorway: negative where there was none in cells that were known.
+    fn lead(&self, gate: &Gate, held: &[Option<Label>], is_doorway: impl Fn(Label) -> bool) -> f64 {
+        let line = self.line(&gate.narrow);
+        let n = |is: &dyn Fn(Label) -> bool| line.iter().filter(|&&node| held[node].is_some_and(is)).count();
+        let (n_doorway, n_known) = (n(&is_doorway), n(&|_| true));
+        match (2 * n_doorway > line.len(), 2 * n_known > line.len() && n_doorway == 0) {
+            (true, _) => self.config.held_lead,
+            (false, true) => -self.config.new_lag,
+            (false, false) => 0.0,
+        }
+    }
+
     fn strip(&self, narrow: &Narrow) -> Vec<usize> {
-        let Self { space, config, cleared, clearance } = self;
-        let turned = walls::aligned(cleared, clearance, space.resolution_m(), &config.walls, *narrow);
+        let Self { space, config, cleared, directions, .. } = self;
+        let turned = walls::aligned(directions, space.resolution_m(), &config.walls, *narrow);
         // Where the turned line runs along a wall it is not the gate any more.
         let turned = gate::with_depth(cleared, turned, space.in_cells(config.max_depth_m))
             .filter(|turned| turned.depth <= narrow.depth + space.in_cells(0.3))
@@ -204,15 +254,36 @@ impl<'a> Search<'a> {
         self.of_map(&paint::nodes_in(&self.cleared, &narrow.with_jambs(), 0.75))
     }
 
+    /// The map's node in the cell of every node of `cleared`, [`NO_NODE`] in a speck.
+    fn nodes_of_map(&self) -> Vec<u32> {
+        let graph = &self.space.graph;
+        let cells = self.cleared.cells_in_rows(0..graph.height());
+        let mut next = 0;
+        let numbered = cells.map(|cell| {
+            if graph.is_free(cell) {
+                next += 1;
+                next - 1
+            } else {
+                NO_NODE
+            }
+        });
+        numbered.collect()
+    }
+
     fn of_map(&self, nodes: &[usize]) -> Vec<usize> {
         nodes.iter().filter_map(|&node| self.space.graph.node_at(self.cleared.cell(node))).collect()
     }
 }
 
 /// The gates that are doorways, the most probable first, but none that begins in the strip of a more probable one: seen from aside,
-/// a door has a second line.
-fn doorways<'a>(gates: &'a [Gate], config: &DoorwayConfig, margin: f64) -> Vec<&'a Gate> {
-    let probability = |gate: &Gate| config.model.doorway.probability(&gate.figures);
+/// a door has a second line. A gate counts as more probable by its `lead`.
+fn doorways<'a>(
+    gates: &'a [Gate],
+    config: &DoorwayConfig,
+    margin: f64,
+    lead: impl Fn(&Gate) -> f64,
+) -> Vec<&'a Gate> {
+    let probability = |gate: &Gate| config.model.doorway.probability(&gate.figures) + lead(gate);
     let mut found: Vec<(f64, &Gate)> = gates.iter().map(|gate| (probability(gate), gate)).collect();
     found.retain(|&(p, gate)| {
         figure(gate, "depth") <= config.max_doorway_depth_m

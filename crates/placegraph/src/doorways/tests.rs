@@ -30,7 +30,8 @@ fn doorways(graph: &CellGraph) -> Vec<Cell> {
     let field = LabelField::from_rows(3, [0.0, 1.0, 0.0].repeat(graph.n_nodes()));
     let labels = vec![ROOM; graph.n_nodes()];
     let marked =
-        mark(&space(graph), [&field; 2], &labels, &LabelSet::default(), &DoorwayConfig::default()).labeling;
+        mark(&space(graph), [&field; 2], &labels, &LabelSet::default(), &DoorwayConfig::default(), None)
+            .labeling;
     let nodes = marked.iter().enumerate().filter(|(_, label)| **label == DOORWAY);
     nodes.map(|(node, _)| graph.cells()[node]).collect()
 }
@@ -92,7 +93,10 @@ fn without_a_doorway_class_nothing_changes() {
     let set = LabelSet::new(vec![class("a"), class("b")]).unwrap();
     let field = LabelField::from_rows(2, [0.5, 0.5].repeat(graph.n_nodes()));
     let labels = vec![Label(1); graph.n_nodes()];
-    assert_eq!(mark(&space(&graph), [&field; 2], &labels, &set, &DoorwayConfig::default()).labeling, labels);
+    assert_eq!(
+        mark(&space(&graph), [&field; 2], &labels, &set, &DoorwayConfig::default(), None).labeling,
+        labels
+    );
 }
 
 #[test]
@@ -101,7 +105,7 @@ fn what_is_no_doorway_takes_its_next_best_label() {
     let field = LabelField::from_rows(3, [0.1, 0.3, 0.6].repeat(graph.n_nodes()));
     let everything = vec![DOORWAY; graph.n_nodes()];
     let config = DoorwayConfig::default();
-    let marked = mark(&space(&graph), [&field; 2], &everything, &LabelSet::default(), &config).labeling;
+    let marked = mark(&space(&graph), [&field; 2], &everything, &LabelSet::default(), &config, None).labeling;
     assert_eq!(marked.iter().filter(|label| **label == DOORWAY).count(), doorways(&graph).len());
     assert!(marked.iter().all(|label| [ROOM, DOORWAY].contains(label)));
 }
@@ -216,9 +220,37 @@ fn the_widest_door_is_that_of_the_configuration() {
     let labels = vec![ROOM; graph.n_nodes()];
     let n_marked = |max_width_m| {
         let config = DoorwayConfig { max_width_m, ..DoorwayConfig::default() };
-        let marked = mark(&space(&graph), [&field; 2], &labels, &LabelSet::default(), &config).labeling;
+        let marked = mark(&space(&graph), [&field; 2], &labels, &LabelSet::default(), &config, None).labeling;
         marked.into_iter().filter(|&label| label == DOORWAY).count()
     };
     assert_eq!(n_marked(0.8), 0);
     assert!(n_marked(1.0) > 0);
+}
+
+#[test]
+fn a_doorway_that_was_there_needs_less_evidence_and_a_new_one_more() {
+    let graph = two_rooms(9);
+    let (space, set) = (space(&graph), LabelSet::default());
+    let field = LabelField::from_rows(3, [0.0, 1.0, 0.0].repeat(graph.n_nodes()));
+    let labels = vec![ROOM; graph.n_nodes()];
+    // No gate is one by its form, and the most probable one has this probability.
+    let learned = DoorwayConfig { min_well_formed: 2.0, min_learned_cells: 0.0, ..DoorwayConfig::default() };
+    let found = gates(&space, [&field; 2], &set, &learned);
+    let most = found.iter().map(|gate| learned.model.doorway.probability(&gate.figures)).fold(0.0, f64::max);
+    let is_marked = |more: f64, held: Option<Label>| {
+        let config = DoorwayConfig { min_doorway: most + more, ..learned.clone() };
+        let held = held.map(|label| vec![Some(label); graph.n_nodes()]);
+        let marked = mark(&space, [&field; 2], &labels, &set, &config, held.as_deref());
+        marked.labeling.contains(&DOORWAY)
+    };
+    let DoorwayConfig { held_lead, new_lag, .. } = learned;
+    assert_eq!([is_marked(0.01, None), is_marked(-0.01, None)], [false, true]);
+    let doorway = [held_lead - 0.01, held_lead + 0.01].map(|more| is_marked(more, Some(DOORWAY)));
+    assert_eq!(doorway, [true, false], "it was a doorway");
+    let room = [-new_lag - 0.01, -new_lag + 0.01].map(|more| is_marked(more, Some(ROOM)));
+    assert_eq!(room, [true, false], "it was none");
+    let nothing = vec![None; graph.n_nodes()];
+    let config = DoorwayConfig { min_doorway: most - 0.01, ..learned.clone() };
+    let marked = mark(&space, [&field; 2], &labels, &set, &config, Some(&nothing));
+    assert!(marked.labeling.contains(&DOORWAY), "cells that are new");
 }

@@ -1,4 +1,4 @@
-//! The rates that follow from counted doors.
+//! The rates of counted doors.
 
 use std::fmt;
 
@@ -35,7 +35,7 @@ pub struct DoorGroup {
     pub rates: DoorRates,
 }
 
-/// All measures over doors; groups without doors are left out.
+/// All measures over doors; groups without doors are omitted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DoorScores {
     /// The rates over all doors.

@@ -1,4 +1,4 @@
-//! Doorways as objects: which true doors were found, and which of those found are true.
+//! Doorways as objects: the true doors that were found, and the found doors that are true.
 //!
 //! A *door* is a connected set (8-neighborhood) of cells whose class has the doorway role. A true door of at
 //! least [`MIN_DOOR_AREA_M2`] is *found* if a quarter of its cells lie within [`DOOR_REACH_M`] of predicted
@@ -53,15 +53,15 @@ impl DoorTally {
 pub struct DoorCounts {
     /// All doors.
     pub all: DoorTally,
-    /// By width: one entry per width class, then one for doors of which the width is not known.
+    /// By width: one entry per width class, then one for doors of unknown width.
     pub by_width: [DoorTally; WIDTH_BOUNDS_M.len() + 2],
-    /// By the classes on both sides, the lower one first; `None` where no labeled cells lie.
+    /// By the classes on both sides, the lower one first; `None` for a side without labeled cells.
     pub by_sides: BTreeMap<[Option<Label>; 2], DoorTally>,
 }
 
 impl DoorCounts {
-    /// Counts the doors of one map. True doors are grouped by what the truth shows around them, predicted ones
-    /// by what the prediction shows.
+    /// Counts the doors of one map. True doors are grouped by the truth around them, predicted ones by the
+    /// prediction.
     ///
     /// # Panics
     /// If the grids differ in size, or a label is not of `label_set`.
@@ -187,9 +187,9 @@ fn patches(cells: &Grid<bool>) -> Vec<Vec<usize>> {
 
 /// What lies around a door in its own label image.
 struct Surroundings {
-    /// Distance of the jambs: the two longest stretches of cells without a label beside the door.
+    /// Distance of the jambs: the two longest stretches of cells without a label next to the door.
     width_m: Option<f64>,
-    /// Classes of the two longest stretches of labeled cells beside the door, the lower one first.
+    /// Classes of the two longest stretches of labeled cells next to the door, the lower one first.
     sides: [Option<Label>; 2],
 }
 

@@ -1,7 +1,7 @@
 //! Predicted against true labels, cell by cell: confusion, accuracy, per-class rates (Sect. 4.8).
 //!
 //! The success rate of the chapter is [`CellScores::accuracy`]: correct cells over labeled cells. Borders in
-//! hand-drawn truth are uncertain by a cell, so the accuracy with that tolerance stands beside it.
+//! hand-drawn truth are uncertain by a cell, so the accuracy with that tolerance is reported too.
 
 use std::fmt;
 
@@ -10,13 +10,13 @@ use serde::Serialize;
 use crate::grid::{Connectivity, Grid};
 use crate::labels::{ConfusionMatrix, Label, LabelSet};
 
-/// How often which true class was labeled as which: the counts of one or more maps.
+/// Counts of true and predicted classes, for one or more maps.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Confusion {
     /// Cells by true class (row) and predicted class (column).
     #[serde(flatten)]
     pub matrix: ConfusionMatrix,
-    /// Wrong cells of which the predicted label occurs in the truth within their 8-neighborhood.
+    /// Wrong cells whose predicted label occurs in the truth within their 8-neighborhood.
     pub n_near: u64,
 }
 
@@ -37,16 +37,16 @@ pub struct ClassScores {
     pub iou: Option<f64>,
 }
 
-/// All measures over cells; `None` where nothing was counted.
+/// All measures over cells; `None` if nothing was counted.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct CellScores {
     /// Number of cells with a true label; only they count.
     pub n_cells: u64,
     /// Correct cells among them.
     pub accuracy: Option<f64>,
-    /// The same, where a label that the truth has within one cell (8-neighborhood) counts as correct.
+    /// Accuracy if a label that the truth has within one cell (8-neighborhood) counts as correct.
     pub accuracy_within_one_cell: Option<f64>,
-    /// Mean F1 of the classes that occur in truth or prediction; absent classes are left out.
+    /// Mean F1 of the classes that occur in truth or prediction; absent classes are omitted.
     pub macro_f1: Option<f64>,
     /// The rates of every class.
     pub classes: Vec<ClassScores>,
@@ -55,7 +55,7 @@ pub struct CellScores {
 }
 
 impl Confusion {
-    /// No cells.
+    /// Empty counts.
     pub fn none(label_set: &LabelSet) -> Self {
         Self { matrix: ConfusionMatrix::new(label_set.len()), n_near: 0 }
     }

@@ -18,7 +18,7 @@ pub const MIN_ROOM_CELLS: u64 = 101;
 /// Smallest share that makes a part of a split or of a merger.
 const MIN_PART_FRAC: f64 = 0.1;
 
-/// How well regions and rooms agree; `None` where there is nothing to compare.
+/// How well regions and rooms agree; `None` if there is nothing to compare.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct RoomScores {
     /// Number of rooms.

@@ -6,7 +6,7 @@ use super::overlay::listed_places;
 use crate::geom::Point2;
 use crate::grid::{Cell, Occupancy, OccupancyGrid};
 use crate::labels::{Label, LabelSet};
-use crate::topology::TopologicalMap;
+use crate::topology::{Place, TopologicalMap};
 
 /// Color of occupied cells.
 pub(super) const WALL: [u8; 3] = [52, 58, 70];
@@ -60,30 +60,28 @@ impl Crop {
     }
 
     /// The bounding box of the places that a picture shows, with room for the walls around them; of what is known where there is
-    /// no place.
+    /// no place. Small places that nothing leads to do not widen it, unless they would be cut.
     pub(super) fn of_places(grid: &OccupancyGrid, topology: &TopologicalMap) -> Self {
-        let corners = listed_places(topology)
-            .into_iter()
-            .flat_map(|place| &place.outline)
-            .flat_map(|part| &part.exterior);
-        let corners = corners.map(|&corner| grid.frame.cells_from_map(corner));
-        let [low, high] = corners
-            .fold([(f64::INFINITY, f64::INFINITY), (0.0, 0.0)], |[low, high], Point2 { x, y }| {
-                [(low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y))]
-            });
-        if low.0 >= high.0 {
-            return Self::of_known(grid);
-        }
-        let cell = |v: f64, most: u32| (v.max(0.0) as u32).min(most);
-        let (width, height) = (grid.cells.width(), grid.cells.height());
-        let [left, bottom] =
-            [cell((low.0 + 0.5).floor(), width - 1), cell((low.1 + 0.5).floor(), height - 1)];
-        let [right, top] = [cell((high.0 - 0.5).ceil(), width), cell((high.1 - 0.5).ceil(), height)];
         let margin = (WALL_M / grid.frame.resolution_m()).ceil().clamp(f64::from(MARGIN_CELLS), 100.0) as u32;
-        Self::of_cells(grid, [left, bottom, right.max(left + 1), top.max(bottom + 1)], margin)
+        let listed = listed_places(topology);
+        let Some(mut bounds) = listed.iter().map(|place| Bounds::of(place, grid)).reduce(Bounds::union)
+        else {
+            return Self::of_known(grid);
+        };
+        let all: Vec<Bounds> = topology.places.iter().map(|place| Bounds::of(place, grid)).collect();
+        loop {
+            let shown = bounds.widened(margin, grid);
+            let cut = all.iter().copied().filter(|place| place.meets(shown));
+            let whole = cut.fold(bounds, Bounds::union);
+            if whole == bounds {
+                break;
+            }
+            bounds = whole;
+        }
+        Self::of_cells(grid, [bounds.left, bounds.bottom, bounds.right, bounds.top], margin)
     }
 
-    /// The cells from the left, lower to the right, upper ones, with a margin of so many cells.
+    /// The cells from the left, lower to the right, upper ones, with a margin of this many cells.
     fn of_cells(grid: &OccupancyGrid, [left, bottom, right, top]: [u32; 4], margin: u32) -> Self {
         let (left, bottom) = (left.saturating_sub(margin), bottom.saturating_sub(margin));
         let width = (right + margin).min(grid.cells.width()) - left;
@@ -116,6 +114,59 @@ impl Crop {
     }
 }
 
+/// A box of cells: from the left, lower one to the one before the right, upper one.
+#[derive(Clone, Copy, PartialEq)]
+struct Bounds {
+    left: u32,
+    bottom: u32,
+    right: u32,
+    top: u32,
+}
+
+impl Bounds {
+    /// The cells around a place.
+    fn of(place: &Place, grid: &OccupancyGrid) -> Self {
+        let corners = place.outline.iter().flat_map(|part| &part.exterior);
+        let corners = corners.map(|&corner| grid.frame.cells_from_map(corner));
+        let [low, high] = corners
+            .fold([(f64::INFINITY, f64::INFINITY), (0.0, 0.0)], |[low, high], Point2 { x, y }| {
+                [(low.0.min(x), low.1.min(y)), (high.0.max(x), high.1.max(y))]
+            });
+        let cell = |v: f64, most: u32| (v.max(0.0) as u32).min(most);
+        let (width, height) = (grid.cells.width(), grid.cells.height());
+        let left = cell((low.0 + 0.5).floor(), width - 1);
+        let bottom = cell((low.1 + 0.5).floor(), height - 1);
+        let right = cell((high.0 - 0.5).ceil(), width).max(left + 1);
+        let top = cell((high.1 - 0.5).ceil(), height).max(bottom + 1);
+        Self { left, bottom, right, top }
+    }
+
+    fn union(self, other: Self) -> Self {
+        Self {
+            left: self.left.min(other.left),
+            bottom: self.bottom.min(other.bottom),
+            right: self.right.max(other.right),
+            top: self.top.max(other.top),
+        }
+    }
+
+    fn widened(self, margin: u32, grid: &OccupancyGrid) -> Self {
+        Self {
+            left: self.left.saturating_sub(margin),
+            bottom: self.bottom.saturating_sub(margin),
+            right: (self.right + margin).min(grid.cells.width()),
+            top: (self.top + margin).min(grid.cells.height()),
+        }
+    }
+
+    fn meets(self, other: Self) -> bool {
+        self.left < other.right
+            && other.left < self.right
+            && self.bottom < other.top
+            && other.bottom < self.top
+    }
+}
+
 /// The color of a class in the picture: its own, lightened, so that lines and text stand out.
 pub(super) fn pastel(color: [u8; 3]) -> [u8; 3] {
     mixed(color, PAPER, 0.42)
@@ -126,7 +177,7 @@ pub(super) fn mixed(color: [u8; 3], other: [u8; 3], share: f64) -> [u8; 3] {
     std::array::from_fn(|i| (color[i] as f64 * (1.0 - share) + other[i] as f64 * share).round() as u8)
 }
 
-/// What is painted of a map.
+/// The part of a map that is painted.
 pub(super) struct Painting<'a> {
     grid: &'a OccupancyGrid,
     /// Of the free cells, in row-major order.
@@ -242,6 +293,7 @@ impl<'a> Painting<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::labels::LabelField;
 
     #[test]
     fn the_crop_is_what_is_known_and_a_margin() {
@@ -253,6 +305,27 @@ mod tests {
         assert_eq!((crop.width_px(), crop.height_px()), (800, 720));
         // The wall's upper left corner: 4 cells from the left, 4 from the top.
         assert_eq!(crop.pixel(Cell::new(10, 14)), (320, 320));
+    }
+
+    #[test]
+    fn places_are_shown_whole_or_not_at_all() {
+        // A room, a slit behind its left wall that reaches out of the margin, and a speck far away.
+        let mut rows = vec!["#".repeat(60); 40];
+        for row in &mut rows[10..30] {
+            row.replace_range(20..40, &".".repeat(20));
+        }
+        rows[20].replace_range(2..18, &".".repeat(16));
+        rows[38].replace_range(58..59, ".");
+        let grid = OccupancyGrid::from_ascii(0.1, &rows.join("\n"));
+        let space = crate::grid::FreeSpace::of(&grid);
+        let labels = vec![Label(1); space.graph.n_nodes()];
+        let regions =
+            crate::regions::connected(&space.graph, &labels, crate::regions::DiagonalSteps::default());
+        let field = LabelField::from_rows(3, [0.0, 1.0, 0.0].repeat(labels.len()));
+        let topology = crate::topology::build(&space, &field, &regions, &LabelSet::default());
+        assert_eq!(topology.places.len(), 3);
+        let crop = Crop::of_places(&grid, &topology);
+        assert_eq!((crop.left, crop.bottom, crop.width, crop.height), (0, 5, 45, 30));
     }
 
     #[test]

@@ -5,7 +5,7 @@
 #[non_exhaustive]
 pub enum ExportError {
     /// A format in whole centimeters.
-    #[error("expected cells of whole centimeters, found {resolution_m} m")]
+    #[error("the format needs cells of whole centimeters, found {resolution_m} m")]
     Centimeters {
         /// Side of a cell.
         resolution_m: f64,
@@ -14,14 +14,12 @@ pub enum ExportError {
     #[error("expected at least one connection with a route, found none: a route graph needs an edge")]
     NoRoute,
     /// Costmap masks are read without their rotation.
-    #[error(
-        "expected a map without rotation, found {yaw_rad} rad: masks ignore it; resample the mask instead"
-    )]
+    #[error("the map is rotated by {yaw_rad} rad, which costmaps ignore in masks: resample the mask")]
     Rotated {
         /// The rotation found.
         yaw_rad: f64,
     },
-    /// A mask's value has no room in a cell.
+    /// A value of a mask does not fit into a cell.
     #[error("expected a value from {min} to {max} for {subject:?}, found {found}")]
     Value {
         /// The class or place that it was given for.
@@ -33,7 +31,7 @@ pub enum ExportError {
         /// The value found.
         found: f64,
     },
-    /// A mask file gives a value to a class that is none.
+    /// A mask file names a class that does not exist.
     #[error("the mask file names the class {found:?}; the classes are {}", known.join(", "))]
     UnknownClass {
         /// The name found.
@@ -42,7 +40,7 @@ pub enum ExportError {
         known: Vec<String>,
     },
     /// A mask file gives a value to a place that the map does not have.
-    #[error("the mask file gives a value to {found:?}, and the map has no place of this name")]
+    #[error("the mask file gives a value to {found:?}, but the map has no place of this name")]
     UnknownPlace {
         /// The name found.
         found: String,
@@ -81,7 +79,7 @@ pub enum ExportError {
 
 impl ExportError {
     /// Wraps what the writer of `format` said.
-    pub(super) fn writer(format: &'static str, error: &impl std::fmt::Display) -> Self {
+    pub(crate) fn writer(format: &'static str, error: &impl std::fmt::Display) -> Self {
         Self::Writer { format, message: error.to_string() }
     }
 }

@@ -1,28 +1,39 @@
-//! The formats of other programs as one table: names, help, files and writer of each.
+//! The formats of other programs as one table: names, help, files and writers.
 
+mod dot;
+mod graphml;
+mod segments;
+mod tmap2;
+
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Duration;
 
+use super::stamp::{stamp, with_stamp};
 use super::{
-    ExportError, Georeference, MaskFiles, MaskSettings, MaskSheet, ReportInput, RmfInfo, TmapInfo,
-    TopologyDocument, dot, graphml, keepout_mask, nav2_filters, nav2_route, regions_geojson, regions_svg,
-    report_html, rmf_background, rmf_building, rmf_nav_graph, segments_json, speed_mask, tmap2,
-    valetudo_json, vector_shapes, zone_mask,
+    ExportError, Georeference, MaskFiles, MaskSettings, MaskSheet, RecordingInput, ReportInput, RmfBuilding,
+    TopologyDocument, keepout_mask, nav2_filters, nav2_route, recording, regions_geojson, regions_svg,
+    report_html, rmf_background, rmf_building, rmf_nav_graph, speed_mask, vector_shapes, zone_mask,
 };
 use crate::grid::{FrameError, Grid, GridShape, Occupancy};
 use crate::topology::TopologicalMap;
 
-/// A format that results can be written in.
+pub use dot::dot;
+pub use graphml::graphml;
+pub use segments::{segments_json, valetudo_json};
+pub use tmap2::{TmapInfo, tmap2};
+
+/// A format for results.
 #[derive(Clone, Copy, Debug)]
 pub struct Format {
-    /// What users call it.
+    /// The name that users type.
     pub name: &'static str,
     /// What it is.
     pub doc: &'static str,
     /// The programs that read it.
     pub consumer: &'static str,
-    /// Usual name of its main file; [`MAP`] stands for the name of the map.
+    /// Usual name of its main file, in which [`MAP`] stands for the name of the map.
     pub file: &'static str,
     /// Endings of the files that go with the main one, in place of its `.yaml`.
     pub companions: &'static [&'static str],
@@ -48,7 +59,7 @@ const fn one(
     Format { name, doc, consumer, file, companions: &[], needs_cells: false, write }
 }
 
-/// A format with a picture beside its file.
+/// A format with a picture next to its file.
 const fn with_picture(
     name: &'static str,
     doc: &'static str,
@@ -116,7 +127,7 @@ pub const FORMATS: &[Format] = &[
         },
     ),
     one("rmf", "Navigation graph of Open-RMF", "Open-RMF fleet adapters", "nav_graph.yaml", |export, _| {
-        Ok(vec![rmf_nav_graph(&export.map, &export.shape, &export.rmf_info(""))?])
+        Ok(vec![rmf_nav_graph(&export.rmf_building(""))?])
     }),
     with_picture(
         "rmf-building",
@@ -124,11 +135,8 @@ pub const FORMATS: &[Format] = &[
         "Open-RMF traffic editor",
         "{map}.building.yaml",
         |export, names| {
-            let info = export.rmf_info(&names[1]);
-            Ok(vec![
-                rmf_building(&export.map, &export.shape, &info)?,
-                rmf_background(&export.map, &export.shape)?,
-            ])
+            let building = rmf_building(&export.rmf_building(&names[1]))?;
+            Ok(vec![building, rmf_background(&export.map, &export.shape)?])
         },
     ),
     one(
@@ -152,21 +160,27 @@ pub const FORMATS: &[Format] = &[
     }),
     one(
         "segments",
-        "Rooms as Home Assistant lists a vacuum's",
+        "Rooms as vacuum segments for Home Assistant",
         "Home Assistant vacuum integrations",
         "segments.json",
         |export, _| Ok(vec![segments_json(&export.map, &export.document.map.name)?]),
     ),
-    one(
-        "valetudo",
-        "Map with segments, as Valetudo has it",
-        "Valetudo map cards",
-        "valetudo.json",
-        |export, _| Ok(vec![valetudo_json(&export.map, &export.shape)?]),
-    ),
+    one("valetudo", "Map with segments for Valetudo", "Valetudo map cards", "valetudo.json", |export, _| {
+        Ok(vec![valetudo_json(&export.map, &export.shape)?])
+    }),
     Format {
         needs_cells: true,
-        ..one("report", "Everything on one page for a browser", "a browser", "report.html", |export, _| {
+        ..one(
+            "mcap",
+            "ROS 2 recording with grids, markers and the document",
+            "Foxglove, Lichtblick, Rerun, rosbag2",
+            "semantic_map.mcap",
+            |export, _| Ok(vec![export.recording()?]),
+        )
+    },
+    Format {
+        needs_cells: true,
+        ..one("report", "HTML report on one page", "a browser", "report.html", |export, _| {
             Ok(vec![export.report()?.into_bytes()])
         })
     },
@@ -212,48 +226,13 @@ impl Format {
     pub fn write(&self, export: &Export<'_>, main: &str) -> Result<Vec<(String, Vec<u8>)>, ExportError> {
         let names = self.file_names(main)?;
         let contents = (self.write)(export, &names)?;
-        let stamp = export.stamp();
+        let stamp = stamp(export.document);
         let usual_ending = self.file.rsplit('.').next().unwrap_or_default();
         let endings = std::iter::once(usual_ending)
             .chain(self.companions.iter().map(|ending| ending.rsplit('.').next().unwrap_or_default()));
         let stamped =
             contents.into_iter().zip(endings).map(|(bytes, ending)| with_stamp(bytes, ending, &stamp));
         Ok(names.into_iter().zip(stamped).collect())
-    }
-}
-
-/// How the stamp begins that exported files bear where their format has room for a remark.
-const STAMP: &str = "written by placegraph";
-
-/// Whether a file that begins with `head` says that it was exported by this program. Pictures bear no stamp.
-pub fn is_stamped(head: &[u8]) -> bool {
-    head.windows(STAMP.len()).any(|bytes| bytes == STAMP.as_bytes())
-}
-
-/// The hash of the map that a file which begins with `head` was exported from, if it says so.
-pub fn stamped_map(head: &[u8]) -> Option<String> {
-    let text = String::from_utf8_lossy(head);
-    let (_, stamp) = text.split_once(STAMP)?;
-    let (_, hash) = stamp.split_once("; map sha256:")?;
-    Some(hash.chars().take_while(char::is_ascii_alphanumeric).collect())
-}
-
-/// The content of a file with `ending` with a remark at its beginning.
-fn with_stamp(bytes: Vec<u8>, ending: &str, stamp: &str) -> Vec<u8> {
-    /// Behind the first `mark`, or in front of all.
-    fn behind(bytes: &[u8], mark: &[u8], remark: &str) -> Vec<u8> {
-        let found = bytes.windows(mark.len()).position(|window| window == mark);
-        let at = found.map_or(0, |start| start + mark.len());
-        [&bytes[..at], remark.as_bytes(), &bytes[at..]].concat()
-    }
-    match ending {
-        "yaml" => [format!("# {stamp}\n").as_bytes(), &bytes].concat(),
-        "dot" => [format!("// {stamp}\n").as_bytes(), &bytes].concat(),
-        "graphml" | "svg" => behind(&bytes, b"?>", &format!("<!-- {stamp} -->")),
-        "html" => behind(&bytes, b"<!doctype html>", &format!("<!-- {stamp} -->")),
-        // A member that GeoJSON does not know.
-        "geojson" => behind(&bytes, b"{", &format!("\"written_by\":\"{stamp}\",")),
-        _ => bytes,
     }
 }
 
@@ -280,21 +259,22 @@ pub struct Export<'a> {
     map: TopologicalMap,
     shape: GridShape,
     masks: &'a MaskSettings,
-    /// The map's cells, for formats that show them.
+    /// The cells of the map, for formats that show them.
     pub occupancy: Option<&'a Grid<Occupancy>>,
     /// Probability of the most likely class per cell, for formats that show it.
     pub probability: Option<Grid<f32>>,
-    /// Where the map stands on Earth, for formats that can say so.
+    /// The position of the map on Earth, for formats that can hold it.
     pub georeference: Option<Georeference>,
-    /// The time since 1970 that files with a date bear: the same map gives the same bytes whenever it is exported.
+    /// The date for files that have one, as time since 1970: the same map gives the same bytes whenever it is
+    /// exported.
     pub written: Duration,
 }
 
 impl<'a> Export<'a> {
-    /// What `document` holds, without the map's cells, of the year 1970.
+    /// The content of `document`, without the cells of the map, dated 1970.
     ///
     /// # Errors
-    /// If `masks` name a class that the document does not have, or the document's frame is none, which never
+    /// If `masks` name a class that the document does not have, or the document's frame is invalid, which never
     /// happens for a document that was read.
     pub fn new(document: &'a TopologyDocument, masks: &'a MaskSettings) -> Result<Self, ExportError> {
         masks.check(&document.classes)?;
@@ -312,16 +292,6 @@ impl<'a> Export<'a> {
         })
     }
 
-    /// What made the files and from what, in letters that no format takes for syntax.
-    fn stamp(&self) -> String {
-        let plain =
-            |text: &str| text.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '.').collect::<String>();
-        let TopologyDocument { program, map, model, .. } = self.document;
-        let model = model.as_ref().map(|model| format!("; model sha256:{}", plain(&model.hash)));
-        let (version, map) = (plain(&program.version), plain(&map.hash));
-        format!("{STAMP} {version}; map sha256:{map}{}", model.unwrap_or_default())
-    }
-
     fn frame_id(&self) -> &str {
         &self.document.map.frame_id
     }
@@ -337,12 +307,8 @@ impl<'a> Export<'a> {
     }
 
     /// `background` is the name of the picture under the building.
-    fn rmf_info(&self, background: &str) -> RmfInfo {
-        RmfInfo {
-            building: self.document.map.name.clone(),
-            level: "L1".to_owned(),
-            background: background.to_owned(),
-        }
+    fn rmf_building(&self, background: &str) -> RmfBuilding<'_> {
+        RmfBuilding::of_level(&self.document.map.name, "L1", &self.map, self.shape, background)
     }
 
     fn tmap_info(&self) -> TmapInfo {
@@ -363,6 +329,22 @@ impl<'a> Export<'a> {
         parts.extend(model);
         parts.push(format!("map {} {}", map.name, map.hash));
         parts.join(" · ")
+    }
+
+    fn recording(&self) -> Result<Vec<u8>, ExportError> {
+        // Without the times of the stages: the same map gives the same bytes.
+        let document = TopologyDocument { timings_ms: BTreeMap::new(), ..self.document.clone() };
+        let document = document.to_json().map_err(|error| ExportError::writer("MCAP", &error))?;
+        recording(&RecordingInput {
+            map: &self.map,
+            labels: &self.document.classes,
+            shape: &self.shape,
+            frame_id: self.frame_id(),
+            occupancy: self.occupancy,
+            document,
+            written: self.written,
+            library: &stamp(self.document),
+        })
     }
 
     fn report(&self) -> Result<String, ExportError> {
@@ -406,57 +388,4 @@ fn timestamp(since_1970: Duration) -> String {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dates_of_seconds() {
-        let at = |seconds| timestamp(Duration::from_secs(seconds));
-        assert_eq!(at(0), "01-01-1970_00-00-00");
-        // 10957 days to 2000-01-01, a leap year of a century: 59 more to the 29th of February.
-        assert_eq!(at((10_957 + 59) * 86_400 + 3_661), "02-29-2000_01-01-01");
-        assert_eq!(at(10_957 * 86_400 - 1), "12-31-1999_23-59-59");
-        assert_eq!(at(253_402_300_799), "12-31-9999_23-59-59");
-    }
-
-    #[test]
-    fn a_mask_has_three_files_named_alike() {
-        let names = |format: &str, main: &str| Format::by_name(format).unwrap().file_names(main);
-        assert_eq!(names("nav2-speed", "slow.yaml").unwrap(), ["slow.yaml", "slow.png", "slow_params.yaml"]);
-        assert!(names("nav2-speed", "slow.png").is_err());
-        assert_eq!(names("svg", "any.thing").unwrap(), ["any.thing"]);
-    }
-
-    #[test]
-    fn a_stamp_stands_where_a_format_has_room_for_remarks() {
-        let stamped = |text: &str, ending| String::from_utf8(with_stamp(text.into(), ending, "S")).unwrap();
-        assert_eq!(stamped("a: 1\n", "yaml"), "# S\na: 1\n");
-        assert_eq!(stamped("graph {}", "dot"), "// S\ngraph {}");
-        assert_eq!(
-            stamped("<?xml version=\"1.0\"?><svg/>", "svg"),
-            "<?xml version=\"1.0\"?><!-- S --><svg/>"
-        );
-        assert_eq!(stamped("<svg/>", "svg"), "<!-- S --><svg/>");
-        assert_eq!(stamped("{\"type\":1}", "geojson"), "{\"written_by\":\"S\",\"type\":1}");
-        assert_eq!(stamped("PNG", "png"), "PNG");
-        let stamp = b"# written by placegraph 0.1.0; map sha256:12ab; model sha256:34cd";
-        assert_eq!(stamped_map(stamp).as_deref(), Some("12ab"));
-        assert_eq!(stamped_map(b"map sha256:12ab"), None);
-        assert!(is_stamped(b"<!-- written by placegraph 0.1.0 -->") && !is_stamped(b"see placegraph"));
-    }
-
-    #[test]
-    fn no_name_of_a_format_or_file_stands_twice() {
-        let mut names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-        let mut files: Vec<String> =
-            FORMATS.iter().flat_map(|format| format.file_names(&format.usual_name("map")).unwrap()).collect();
-        for list in [&mut names.iter().map(|&name| name.to_owned()).collect(), &mut files] {
-            let n = list.len();
-            list.sort_unstable();
-            list.dedup();
-            assert_eq!(list.len(), n, "{list:?}");
-        }
-        names.sort_unstable();
-        assert!(Format::by_name("nothing").is_none());
-    }
-}
+mod tests;

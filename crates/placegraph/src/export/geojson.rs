@@ -11,7 +11,7 @@ use super::ExportError;
 use crate::geom::Point2;
 use crate::topology::{Place, PolygonWithHoles, TopologicalMap};
 
-/// Where a map stands on Earth.
+/// The position of a map on Earth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Georeference {
     /// Latitude of the map frame's origin, in degrees north (WGS 84).
@@ -29,6 +29,15 @@ const WGS84_E2: f64 = 6.694_379_990_14e-3;
 impl Georeference {
     /// Largest latitude: near the poles a degree of longitude has no length.
     pub const MAX_LATITUDE_DEG: f64 = 89.0;
+
+    /// The georeference, or `None` if a number is no such angle: latitudes to [`Self::MAX_LATITUDE_DEG`], longitudes to 180, headings
+    /// to 360 degrees on both sides of 0.
+    pub fn new(latitude_deg: f64, longitude_deg: f64, heading_deg: f64) -> Option<Self> {
+        let is_angle = latitude_deg.abs() <= Self::MAX_LATITUDE_DEG
+            && longitude_deg.abs() <= 180.0
+            && heading_deg.abs() <= 360.0;
+        is_angle.then_some(Self { latitude_deg, longitude_deg, heading_deg })
+    }
 
     /// Longitude and latitude of a point of the map frame, in degrees. On the plane that touches the ellipsoid at the origin: a building
     /// of 1 km is placed within some centimeters.
@@ -139,7 +148,7 @@ fn place_feature(place: &Place, at: &impl Fn(Point2) -> Position) -> Feature {
 }
 
 /// Rings of GeoJSON repeat their first point.
-fn polygon(part: &PolygonWithHoles, at: &impl Fn(Point2) -> Position) -> Vec<Vec<Position>> {
+pub(super) fn polygon(part: &PolygonWithHoles, at: &impl Fn(Point2) -> Position) -> Vec<Vec<Position>> {
     part.rings().map(|ring| ring.iter().chain(ring.first()).map(|&corner| at(corner)).collect()).collect()
 }
 

@@ -1,11 +1,11 @@
-//! What the mask file sets: costs, speed limits and zones of Navigation 2's masks.
+//! Settings of Navigation 2's masks: costs, speed limits and zones.
 
 use serde::Deserialize;
 
 use super::{ExportError, Keepout, Rotated, SpeedLimit, ValueOf, ZonePer};
 use crate::labels::{LabelSet, Role};
 
-/// A mask file as written; every part may be left out.
+/// A mask file as written; every part is optional.
 ///
 /// ```toml
 /// zones = "place"             # or "class"
@@ -24,16 +24,16 @@ use crate::labels::{LabelSet, Role};
 pub struct MaskSettings {
     /// Where a robot must not go.
     pub keepout: Keepout,
-    /// How fast it may go; without an entry, half speed in doorways.
+    /// Speed limits; without any, half speed in doorways.
     pub speed: Option<SpeedLimit>,
     /// What a zone is.
     pub zones: ZonePer,
-    /// How the mask of a rotated map is made.
+    /// How to make the mask of a rotated map.
     pub rotated: Rotated,
 }
 
 impl MaskSettings {
-    /// The speed limits; without any written, half speed in doorways.
+    /// The speed limits; if none are set, half speed in doorways.
     pub fn speed(&self, classes: &LabelSet) -> SpeedLimit {
         self.speed.clone().unwrap_or_else(|| {
             let doorways = classes.classes().iter().filter(|class| class.role == Role::Doorway);

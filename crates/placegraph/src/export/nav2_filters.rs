@@ -29,7 +29,8 @@ pub struct FilterFiles {
     pub masks: [MaskFiles; 3],
 }
 
-/// The masks of `map` with the parameters of all their servers; `sheets` name the files of keep-out, speed and zones.
+/// The masks of `map`, with the parameters of all their servers; `sheets` name the files of keep-out, speed and
+/// zones.
 ///
 /// # Errors
 /// As the masks alone.

@@ -16,7 +16,7 @@ use super::yaml::{tenth_mm, yaml_bytes};
 use crate::grid::{Grid, GridShape};
 use crate::topology::{Place, PlaceRaster, TopologicalMap};
 
-/// A mask and what its servers need to know.
+/// A mask and the parameters of its servers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MaskFiles {
     /// Gray image, PNG.
@@ -29,7 +29,7 @@ pub struct MaskFiles {
     pub(super) nodes: Parameters,
 }
 
-/// How masks of a rotated map are made.
+/// How to make masks of a rotated map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Rotated {
@@ -40,7 +40,7 @@ pub enum Rotated {
     Resample,
 }
 
-/// What a mask is drawn on, and how its files are called.
+/// The grid and the file names of a mask.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaskSheet {
     /// The grid of the map.
@@ -89,9 +89,9 @@ impl ValueOf {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Keepout {
-    /// 100 forbids, 1 to 99 makes dearer, 0 has no effect. Without an entry: 0.
+    /// 100 forbids, 1 to 99 raises the cost, 0 has no effect. Without an entry: 0.
     pub cost: ValueOf,
-    /// Cost of the cells that belong to no place: walls, unknown space.
+    /// Cost of cells outside of all places: walls, unknown space.
     pub elsewhere: u8,
 }
 
@@ -141,7 +141,7 @@ impl Default for SpeedLimit {
 /// Faster than any robot.
 const MAX_SPEED_M_PER_S: f64 = 1000.0;
 
-/// What makes a zone of its own in the zone mask.
+/// What makes a zone in the zone mask.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ZonePer {
@@ -380,8 +380,8 @@ fn add_zones(plugin: &mut Parameters, zones: &[String]) {
     plugin["nominal_defaults.max_vel_x"] = setpoint(0.5);
 }
 
-/// The vector-object server's parameters: a polygon per place with the value of `keepout`, no raster. A place
-/// without an entry is left out. Holes cannot be expressed: what a place surrounds is covered as well.
+/// Parameters of the vector-object server: a polygon per place with the value of `keepout`, and no raster. A place
+/// without an entry is omitted. Holes cannot be expressed, so everything that a place surrounds is covered too.
 ///
 /// # Errors
 /// If a cost is not in 0 to 100, or one is given to a place that the map does not have.

@@ -12,7 +12,7 @@ use super::geojson::{collection_bytes, position};
 use super::waypoints::{Leg, Waypoint, WaypointKind, waypoints};
 use crate::topology::TopologicalMap;
 
-/// The route graph of what is not cut off in `map`, whose coordinates are in the frame `frame_id`.
+/// The route graph of the places of `map` that are not cut off, with coordinates in the frame `frame_id`.
 ///
 /// # Errors
 /// If no connection has a route: the server refuses a graph without edges.
@@ -37,7 +37,7 @@ pub fn nav2_route(map: &TopologicalMap, frame_id: &str) -> Result<Vec<u8>, Expor
         let line = [from, to].map(|end| position(nodes[end].at)).to_vec();
         let geometry = GeometryValue::LineString { coordinates: line };
         let length_m = nodes[from].at.distance(nodes[to].at);
-        let metadata = edge_metadata(map, leg, &nodes[to], length_m);
+        let metadata = edge_metadata(leg, &nodes[to], length_m);
         let ends = (node_id(from), node_id(to));
         feature(
             geometry,
@@ -87,12 +87,12 @@ fn node_metadata(node: &Waypoint<'_>) -> JsonValue {
 }
 
 /// The edge is of the class that it leads into: that of its end, or of the doorway it leads through.
-fn edge_metadata(map: &TopologicalMap, leg: &Leg<'_>, to: &Waypoint<'_>, length_m: f64) -> JsonValue {
+fn edge_metadata(leg: &Leg<'_>, to: &Waypoint<'_>, length_m: f64) -> JsonValue {
     let mut metadata = json!({ "class": to.place.class, "length_m": length_m });
-    if let Some(width_m) = map.width_m(leg.connection) {
+    if let Some(width_m) = leg.width_m {
         metadata["width_m"] = json!(width_m);
     }
-    if let Some(clearance_m) = leg.connection.route.as_ref().and_then(|route| route.clearance_m) {
+    if let Some(clearance_m) = leg.route.clearance_m {
         metadata["clearance_m"] = json!(clearance_m);
     }
     metadata

@@ -1,4 +1,4 @@
-//! Outlines, doorways and the graph as SVG elements, to lie over a picture of the map.
+//! Outlines, doorways and the graph as SVG elements, to draw over a picture of the map.
 
 use std::fmt::Write as _;
 
@@ -19,7 +19,7 @@ const ISLAND_M2: f64 = 1.0;
 /// How meters of the map frame become pixels, y down.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Where the cells of the map are.
+    /// The position of the map's cells.
     pub frame: MapFrame,
     /// The left border of the picture, in cells.
     pub left_cells: f64,
@@ -27,7 +27,7 @@ pub struct View {
     pub top_cells: f64,
     /// Pixels per cell.
     pub px_per_cell: f64,
-    /// Where the upper left corner of the map stands on the page, in pixels.
+    /// Position of the upper left corner of the map on the page, in pixels.
     pub offset_px: [f64; 2],
     /// Size of text, in pixels; everything drawn follows it.
     pub text_px: f64,
@@ -44,8 +44,8 @@ impl View {
     }
 }
 
-/// The SVG elements of `topology`, without the `svg` element around them: outlines of the places, openings of
-/// the doorways, the graph, and its nodes with place ids; names that are not made of class and id stand below.
+/// The SVG elements of `topology`, without the `svg` element around them: outlines of the places, openings of the
+/// doorways, the graph, and its nodes with place ids. Names that are not made of class and id are below the nodes.
 ///
 /// Cost: linear in outline points.
 pub fn overlay_svg(topology: &TopologicalMap, label_set: &LabelSet, view: &View) -> String {
@@ -178,7 +178,7 @@ fn diamond(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
         y + r,
         x - r
     );
-    // The number beside it, so that neither hides the passage; smaller than those of rooms.
+    // The number is next to it, so that neither hides the passage, and smaller than those of rooms.
     let size = 0.72 * view.text_px;
     push!(
         svg,

@@ -39,7 +39,7 @@ pub fn overview_png(
     in_bands(grid, labeling, label_set, topology, title, BAND_PX)
 }
 
-/// [`overview_png`] in bands of so many rows.
+/// [`overview_png`] in bands of this many rows.
 fn in_bands(
     grid: &OccupancyGrid,
     labeling: &[Label],

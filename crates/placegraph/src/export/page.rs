@@ -1,4 +1,4 @@
-//! What stands around the map in a picture: title, legend, scale bar.
+//! The surroundings of the map in a picture: title, legend, scale bar.
 
 use std::fmt::Write as _;
 

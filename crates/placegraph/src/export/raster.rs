@@ -6,7 +6,7 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
 use crate::grid::{CellGraph, MapFrame};
-use crate::labels::Labeling;
+use crate::labels::{LabelSet, Labeling};
 use crate::regions::RegionMap;
 use crate::topology::PlaceId;
 
@@ -22,8 +22,8 @@ pub enum RasterError {
     },
 }
 
-/// The label image: 8-bit gray PNG of the map's size, 0 where there is no free cell, `k` for the k-th class
-/// from 1. As values are at most 8, map_server reads them unchanged in mode raw.
+/// The label image: an 8-bit gray PNG of the map's size, with `k` for the k-th class from 1, and 0 for cells that are
+/// not free. Values are at most 8, so map_server reads them unchanged in mode raw.
 ///
 /// # Panics
 /// If `labeling` has not one label per node.
@@ -33,9 +33,9 @@ pub fn label_png(graph: &CellGraph, labeling: &Labeling) -> Vec<u8> {
     png(graph, &pixels, ExtendedColorType::L8)
 }
 
-/// The region image: 16-bit gray PNG of the map's size, 0 where there is no place, else the number of the
-/// place; `place_ids` has that of every region that is one. map_server reduces images to 8 bits, so this one is for
-/// programs that read 16.
+/// The region image: a 16-bit gray PNG of the map's size, with the number of the place, and 0 for cells outside of
+/// all places; `place_ids` has the number of every region that is a place. map_server reduces images to 8 bits, so
+/// this one is for programs that read 16.
 ///
 /// # Errors
 /// If a number is above 65535.
@@ -73,6 +73,13 @@ pub fn raster_yaml(image: &str, frame: &MapFrame) -> String {
         yaml_float(origin.y),
         yaml_float(origin.yaw_rad),
     )
+}
+
+/// [`raster_yaml`] of a label image, with the names, roles and colors of its classes, which map_server does not look at.
+pub fn labels_yaml(image: &str, frame: &MapFrame, classes: &LabelSet) -> String {
+    // JSON is YAML.
+    let classes = serde_json::to_string(classes).unwrap_or_default();
+    format!("{}classes: {classes}\n", raster_yaml(image, frame))
 }
 
 /// The shortest decimal with the same bits, always with a point and never with an exponent: YAML 1.1 readers

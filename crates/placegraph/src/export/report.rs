@@ -19,7 +19,7 @@ const STYLE: &str = include_str!("../../assets/report/report.css");
 const MODULES: [&str; 2] =
     [include_str!("../../assets/report/tables.js"), include_str!("../../assets/report/report.js")];
 
-/// What a report is about.
+/// The content of a report.
 #[derive(Clone, Copy, Debug)]
 pub struct ReportInput<'a> {
     /// Heading of the page.
@@ -30,20 +30,20 @@ pub struct ReportInput<'a> {
     pub map: &'a TopologicalMap,
     /// Its classes.
     pub labels: &'a LabelSet,
-    /// The grid it was made from.
+    /// The grid of the map.
     pub shape: &'a GridShape,
-    /// The grid's values; without them the page has no such layer.
+    /// The cells of the map; without them, the page has no map layer.
     pub occupancy: Option<&'a Grid<Occupancy>>,
-    /// Probability of the most likely class of every cell, 0 where there is none; without it the page shows the
-    /// mean of each place.
+    /// Probability of the most likely class of every cell, 0 for cells that are not free; without it, the page shows
+    /// the mean of each place.
     pub probability: Option<&'a Grid<f32>>,
-    /// What the check of the map found, in plain words.
+    /// Findings of the check of the map, in plain words.
     pub findings: &'a [String],
-    /// What the result was made with and from, for the foot of the page.
+    /// Program, map and model of the result, for the foot of the page.
     pub provenance: &'a str,
 }
 
-/// The page.
+/// The HTML text of the page.
 ///
 /// # Errors
 /// None for maps that this library built.
@@ -69,7 +69,7 @@ pub fn in_script(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
 
-/// `template` with every placeholder, each of which stands once, replaced. What is put in is not searched.
+/// Replaces every placeholder in `template`, each of which occurs once. Inserted text is not searched.
 pub fn fill_page(template: &str, values: &[(&str, &str)]) -> String {
     let mut page = String::new();
     let mut rest = template;

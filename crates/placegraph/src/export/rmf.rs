@@ -5,91 +5,131 @@
 //! finds out when it makes a navigation graph of a building file. Coordinates are meters of the
 //! map frame, y up.
 
+mod graph;
+mod lift;
+
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use serde::Serialize;
 use serde_saphyr::FlowSeq;
 
+use self::graph::Graph;
+use self::lift::{BuildingLift, NavLift};
 use super::ExportError;
 use super::nav2_masks::gray_png;
 use super::yaml::{tenth_mm, xy, yaml_bytes};
 use crate::geom::Point2;
 use crate::grid::{Grid, GridShape};
-use crate::topology::{Connection, Place, PlaceId, PlaceRaster, TopologicalMap, segments_cross};
+use crate::topology::{PlaceId, PlaceRaster, TopologicalMap};
 
-/// Names of the building and of its only level.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RmfInfo {
-    /// Name of the building.
-    pub building: String,
-    /// Name of the level.
-    pub level: String,
-    /// File name of the picture that the editor shows under the building ([`rmf_background`]).
+/// A building of one level or several, in the frame of the building.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RmfBuilding<'a> {
+    /// Its name.
+    pub name: String,
+    /// Its levels.
+    pub levels: Vec<RmfLevel<'a>>,
+    /// Its lifts.
+    pub lifts: Vec<RmfLift>,
+}
+
+/// A level of a building.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RmfLevel<'a> {
+    /// Its name.
+    pub name: String,
+    /// Its height, in meters.
+    pub elevation_m: f64,
+    /// Its places.
+    pub map: Cow<'a, TopologicalMap>,
+    /// The grid that their outlines run along.
+    pub shape: GridShape,
+    /// File name of the picture that the editor shows under the level ([`rmf_background`]).
     pub background: String,
 }
 
-/// How far before and behind the door its vertices stand, in meters: the first that a straight lane through
-/// free cells joins.
-const DOOR_STANDOFFS_M: [f64; 5] = [0.8, 0.6, 0.4, 0.25, 0.1];
-
-struct Vertex {
-    at: Point2,
-    name: String,
+/// A lift of a building.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RmfLift {
+    /// Its name.
+    pub name: String,
+    /// Size of the cabin: from the door of the first stop inwards, and across.
+    pub size_m: [f64; 2],
+    /// Where it stops. The cabin stands where it is on the first of these levels.
+    pub stops: Vec<RmfStop>,
 }
 
-/// A straight way, to be driven in both directions.
-struct Lane {
-    from: usize,
-    to: usize,
+/// Where a lift stops.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RmfStop {
+    /// Position of the level in the building.
+    pub level: usize,
+    /// The place that leads into the cabin.
+    pub place: PlaceId,
+    /// From the place's station to the cabin.
+    pub line: Vec<Point2>,
 }
 
-struct Graph<'a> {
-    vertices: Vec<Vertex>,
-    lanes: Vec<Lane>,
-    /// Name and jambs of the doors.
-    doors: Vec<(&'a str, [Point2; 2])>,
+impl<'a> RmfBuilding<'a> {
+    /// A building of a single level.
+    pub fn of_level(
+        name: &str,
+        level: &str,
+        map: &'a TopologicalMap,
+        shape: GridShape,
+        background: &str,
+    ) -> Self {
+        let level = RmfLevel {
+            name: level.to_owned(),
+            elevation_m: 0.0,
+            map: Cow::Borrowed(map),
+            shape,
+            background: background.to_owned(),
+        };
+        Self { name: name.to_owned(), levels: vec![level], lifts: Vec::new() }
+    }
+
+    /// The lifts that stop on the level at `position`, and where.
+    fn stops_on(&self, position: usize) -> Vec<(&RmfLift, &RmfStop)> {
+        let stops = self.lifts.iter().flat_map(|lift| lift.stops.iter().map(move |stop| (lift, stop)));
+        stops.filter(|(_, stop)| stop.level == position).collect()
+    }
 }
 
-/// The navigation graph of what is not cut off in `map`.
+/// The navigation graph of the places that are not cut off.
 ///
 /// # Errors
 /// None for maps that this library built.
-pub fn rmf_nav_graph(
-    map: &TopologicalMap,
-    shape: &GridShape,
-    info: &RmfInfo,
-) -> Result<Vec<u8>, ExportError> {
+pub fn rmf_nav_graph(building: &RmfBuilding<'_>) -> Result<Vec<u8>, ExportError> {
     #[derive(Serialize)]
     struct NavGraph<'a> {
         building_name: &'a str,
-        levels: BTreeMap<&'a str, Level<'a>>,
-        doors: BTreeMap<&'a str, Door<'a>>,
-        lifts: BTreeMap<&'a str, ()>,
+        levels: BTreeMap<&'a str, Level>,
+        doors: BTreeMap<String, Door<'a>>,
+        lifts: BTreeMap<&'a str, NavLift>,
     }
     #[derive(Serialize)]
-    struct Level<'a> {
-        vertices: Vec<(f64, f64, VertexOptions<'a>)>,
-        lanes: Vec<(usize, usize, LaneOptions<'a>)>,
+    struct Level {
+        vertices: Vec<(f64, f64, VertexOptions)>,
+        lanes: Vec<(usize, usize, LaneOptions)>,
     }
     #[derive(Serialize)]
-    struct VertexOptions<'a> {
-        name: &'a str,
+    struct VertexOptions {
+        name: String,
         // Readers may ask for these three. What a vertex is used for, the operator says.
         is_charger: bool,
         is_holding_point: bool,
         is_parking_spot: bool,
-    }
-    impl<'a> VertexOptions<'a> {
-        fn named(name: &'a str) -> Self {
-            Self { name, is_charger: false, is_holding_point: false, is_parking_spot: false }
-        }
+        #[serde(skip_serializing_if = "Option::is_none")]
+        lift: Option<String>,
     }
     #[derive(Serialize)]
-    struct LaneOptions<'a> {
+    struct LaneOptions {
         /// 0 is no limit.
         speed_limit: f64,
         #[serde(skip_serializing_if = "Option::is_none")]
-        door_name: Option<&'a str>,
+        door_name: Option<String>,
     }
     #[derive(Serialize)]
     struct Door<'a> {
@@ -97,26 +137,35 @@ pub fn rmf_nav_graph(
         map: &'a str,
     }
 
-    let reached = map.reached();
-    let graph = Graph::new(&reached, shape);
-    let vertices = graph
-        .vertices
-        .iter()
-        .map(|vertex| (tenth_mm(vertex.at.x), tenth_mm(vertex.at.y), VertexOptions::named(&vertex.name)));
-    let lanes = graph.lanes.iter().flat_map(|lane| {
-        let door_name = graph.door_on(lane);
-        let options = || LaneOptions { speed_limit: 0.0, door_name };
-        [(lane.from, lane.to, options()), (lane.to, lane.from, options())]
-    });
-    let level = Level { vertices: vertices.collect(), lanes: lanes.collect() };
-    let doors =
-        graph.doors.iter().map(|&(name, jambs)| (name, Door { endpoints: jambs.map(xy), map: &info.level }));
-    let file = NavGraph {
-        building_name: &info.building,
-        levels: BTreeMap::from([(info.level.as_str(), level)]),
-        doors: doors.collect(),
-        lifts: BTreeMap::new(),
-    };
+    let (mut levels, mut doors) = (BTreeMap::new(), BTreeMap::new());
+    for (position, level) in building.levels.iter().enumerate() {
+        let reached = level.map.reached();
+        let graph = Graph::new(&reached, level, &building.stops_on(position));
+        let vertices = graph.vertices.iter().map(|vertex| {
+            let options = VertexOptions {
+                name: vertex.name.clone(),
+                is_charger: false,
+                is_holding_point: false,
+                is_parking_spot: false,
+                lift: vertex.lift.map(str::to_owned),
+            };
+            (tenth_mm(vertex.at.x), tenth_mm(vertex.at.y), options)
+        });
+        let lanes = graph.lanes.iter().flat_map(|lane| {
+            let door_name = graph.door_on(lane);
+            let options = || LaneOptions { speed_limit: 0.0, door_name: door_name.map(str::to_owned) };
+            [(lane.from, lane.to, options()), (lane.to, lane.from, options())]
+        });
+        levels.insert(level.name.as_str(), Level { vertices: vertices.collect(), lanes: lanes.collect() });
+        doors.extend(
+            graph
+                .doors
+                .iter()
+                .map(|&(name, jambs)| (name.to_owned(), Door { endpoints: jambs.map(xy), map: &level.name })),
+        );
+    }
+    let lifts = building.lifts.iter().filter_map(|lift| Some((lift.name.as_str(), NavLift::of(lift)?)));
+    let file = NavGraph { building_name: &building.name, levels, doors, lifts: lifts.collect() };
     yaml_bytes(&file, "RMF navigation graph")
 }
 
@@ -147,15 +196,15 @@ struct LaneParameters<'a> {
 }
 
 #[derive(Serialize)]
-struct DoorParameters<'a> {
-    motion_axis: Parameter<&'a str>,
+struct DoorParameters {
+    motion_axis: Parameter<&'static str>,
     motion_degrees: Parameter<f64>,
     motion_direction: Parameter<i64>,
-    name: Parameter<&'a str>,
-    plugin: Parameter<&'a str>,
+    name: Parameter<String>,
+    plugin: Parameter<&'static str>,
     right_left_ratio: Parameter<f64>,
     #[serde(rename = "type")]
-    kind: Parameter<&'a str>,
+    kind: Parameter<&'static str>,
 }
 
 #[derive(Serialize)]
@@ -207,16 +256,21 @@ impl<'a> Layer<'a> {
 }
 
 #[derive(Serialize)]
-#[expect(clippy::type_complexity, reason = "the tuples of the format")]
 struct BuildingLevel<'a> {
     layers: BTreeMap<&'a str, Layer<'a>>,
     elevation: f64,
-    vertices: Vec<(f64, f64, f64, &'a str, BTreeMap<&'a str, ()>)>,
+    vertices: Vec<(f64, f64, f64, String, VertexParameters)>,
     lanes: Vec<(usize, usize, LaneParameters<'a>)>,
-    doors: Vec<(usize, usize, DoorParameters<'a>)>,
+    doors: Vec<(usize, usize, DoorParameters)>,
     floors: Vec<Floor<'a>>,
     walls: [(); 0],
     measurements: [(); 0],
+}
+
+#[derive(Default, Serialize)]
+struct VertexParameters {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    lift_cabin: Option<Parameter<String>>,
 }
 
 #[derive(Serialize)]
@@ -224,59 +278,79 @@ struct Building<'a> {
     name: &'a str,
     coordinate_system: &'a str,
     levels: BTreeMap<&'a str, BuildingLevel<'a>>,
-    lifts: BTreeMap<&'a str, ()>,
+    lifts: BTreeMap<&'a str, BuildingLift<'a>>,
 }
 
-/// The building file of `map`, in Cartesian meters: lanes, doors, and a floor per place.
+/// The building file, in Cartesian meters: lanes, doors, a floor per place, and lifts.
 ///
 /// # Errors
 /// None for maps that this library built.
-pub fn rmf_building(map: &TopologicalMap, shape: &GridShape, info: &RmfInfo) -> Result<Vec<u8>, ExportError> {
-    let reached = map.reached();
-    let graph = Graph::new(&reached, shape);
-    let corner = |at: Point2, name| (tenth_mm(at.x), tenth_mm(at.y), 0.0, name, BTreeMap::new());
-    let mut vertices: Vec<_> =
-        graph.vertices.iter().map(|vertex| corner(vertex.at, vertex.name.as_str())).collect();
-    let lanes = graph.lanes.iter().map(|lane| {
-        let parameters =
-            LaneParameters { bidirectional: boolean(true), graph_idx: integer(0), orientation: string("") };
-        (lane.from, lane.to, parameters)
+pub fn rmf_building(building: &RmfBuilding<'_>) -> Result<Vec<u8>, ExportError> {
+    let levels = building.levels.iter().enumerate();
+    let levels = levels.map(|(position, level)| {
+        (level.name.as_str(), BuildingLevel::of(level, &building.stops_on(position)))
     });
-    let lanes = lanes.collect();
-    let mut doors = Vec::new();
-    for &(name, jambs) in &graph.doors {
-        doors.push((vertices.len(), vertices.len() + 1, door_parameters(name)));
-        vertices.extend(jambs.map(|jamb| corner(jamb, "")));
-    }
-    let mut floors = Vec::new();
-    for part in map.places.iter().flat_map(|place| &place.outline) {
-        let first = vertices.len();
-        let outline = simplified(&part.exterior, SIMPLER_CELLS * shape.frame.resolution_m());
-        vertices.extend(outline.into_iter().map(|at| corner(at, "")));
-        let parameters = FloorParameters {
-            texture_name: string("blue_linoleum"),
-            texture_rotation: double(0.0),
-            texture_scale: double(1.0),
-        };
-        floors.push(Floor { parameters, vertices: FlowSeq((first..vertices.len()).collect()) });
-    }
-    let level = BuildingLevel {
-        layers: BTreeMap::from([("map", Layer::of(shape, &info.background))]),
-        elevation: 0.0,
-        vertices,
-        lanes,
-        doors,
-        floors,
-        walls: [],
-        measurements: [],
-    };
+    let lifts = building.lifts.iter();
+    let lifts = lifts.filter_map(|lift| Some((lift.name.as_str(), BuildingLift::of(lift, building)?)));
     let file = Building {
-        name: &info.building,
+        name: &building.name,
         coordinate_system: "cartesian_meters",
-        levels: BTreeMap::from([(info.level.as_str(), level)]),
-        lifts: BTreeMap::new(),
+        levels: levels.collect(),
+        lifts: lifts.collect(),
     };
     yaml_bytes(&file, "RMF building")
+}
+
+impl<'a> BuildingLevel<'a> {
+    fn of(level: &'a RmfLevel<'_>, stops: &[(&RmfLift, &RmfStop)]) -> Self {
+        let RmfLevel { map, shape, background, elevation_m, .. } = level;
+        let reached = map.reached();
+        let graph = Graph::new(&reached, level, stops);
+        let corner =
+            |at: Point2| (tenth_mm(at.x), tenth_mm(at.y), 0.0, String::new(), VertexParameters::default());
+        let vertices = graph.vertices.iter().map(|vertex| {
+            let lift_cabin = vertex.lift.map(|lift| FlowSeq((1, lift.to_owned())));
+            let (x, y, z, ..) = corner(vertex.at);
+            (x, y, z, vertex.name.clone(), VertexParameters { lift_cabin })
+        });
+        let mut vertices: Vec<_> = vertices.collect();
+        let lanes = graph.lanes.iter().map(|lane| {
+            let parameters = LaneParameters {
+                bidirectional: boolean(true),
+                graph_idx: integer(0),
+                orientation: string(""),
+            };
+            (lane.from, lane.to, parameters)
+        });
+        let lanes = lanes.collect();
+        let mut doors = Vec::new();
+        for &(name, jambs) in &graph.doors {
+            doors.push((vertices.len(), vertices.len() + 1, door_parameters(name)));
+            vertices.extend(jambs.map(corner));
+        }
+        let mut floors = Vec::new();
+        for part in map.places.iter().flat_map(|place| &place.outline) {
+            let first = vertices.len();
+            let outline = simplified(&part.exterior, SIMPLER_CELLS * shape.frame.resolution_m());
+            vertices.extend(outline.into_iter().map(corner));
+            let parameters = FloorParameters {
+                texture_name: string("blue_linoleum"),
+                texture_rotation: double(0.0),
+                texture_scale: double(1.0),
+            };
+            floors.push(Floor { parameters, vertices: FlowSeq((first..vertices.len()).collect()) });
+        }
+        Self {
+            layers: BTreeMap::from([("map", Layer::of(shape, background))]),
+            elevation: *elevation_m,
+            vertices,
+            lanes,
+            doors,
+            floors,
+            walls: [],
+            measurements: [],
+        }
+    }
 }
 
 /// The picture that the building file shows: places white on gray, the first row the lowest, as the editor wants it.
@@ -333,122 +407,14 @@ fn thinned(line: &[Point2], tolerance_m: f64) -> Vec<Point2> {
     left
 }
 
-fn door_parameters(name: &str) -> DoorParameters<'_> {
+fn door_parameters(name: &str) -> DoorParameters {
     DoorParameters {
         motion_axis: string("start"),
         motion_degrees: double(90.0),
         motion_direction: integer(1),
-        name: string(name),
+        name: FlowSeq((1, name.to_owned())),
         plugin: string("normal"),
         right_left_ratio: double(1.0),
         kind: string("hinged"),
     }
-}
-
-impl<'a> Graph<'a> {
-    fn new(map: &'a TopologicalMap, shape: &GridShape) -> Self {
-        let raster = PlaceRaster::new(map, *shape);
-        let mut graph = Self { vertices: Vec::new(), lanes: Vec::new(), doors: Vec::new() };
-        // Vertex where a connection's line meets a place: the place's own, or one before the door.
-        let mut gate_of: BTreeMap<(PlaceId, PlaceId), usize> = BTreeMap::new();
-        let mut standoff_of: BTreeMap<PlaceId, f64> = BTreeMap::new();
-        for place in &map.places {
-            let gates = graph.add_place(map, place, &raster, &mut standoff_of);
-            gate_of.extend(gates.into_iter().map(|(other, vertex)| ((place.id, other), vertex)));
-        }
-        for connection in map.connections.iter().filter(|connection| connection.route.is_some()) {
-            let ends = [(connection.a, connection.b), (connection.b, connection.a)];
-            let [Some(&from), Some(&to)] = ends.map(|key| gate_of.get(&key)) else { continue };
-            let [cut_a, cut_b] =
-                [connection.a, connection.b].map(|id| standoff_of.get(&id).copied().unwrap_or(0.0));
-            graph.add_route(connection, [cut_a, cut_b], [from, to]);
-        }
-        graph
-    }
-
-    /// Adds the vertices of `place`; returns for every neighbor the vertex that leads to it.
-    fn add_place(
-        &mut self,
-        map: &TopologicalMap,
-        place: &'a Place,
-        raster: &PlaceRaster,
-        standoff_of: &mut BTreeMap<PlaceId, f64>,
-    ) -> Vec<(PlaceId, usize)> {
-        let lines: Vec<(PlaceId, Vec<Point2>)> = map
-            .connections_of(place.id)
-            .filter(|connection| connection.route.is_some())
-            .map(|connection| (connection.other_end(place.id), connection.line_from(place.id)))
-            .collect();
-        let jambs = place.doorway.as_ref().filter(|_| lines.len() > 1).map(|doorway| doorway.jambs);
-        let Some((jambs, standoff_m)) =
-            jambs.and_then(|jambs| Some((jambs, standoff(&lines, jambs, raster)?)))
-        else {
-            self.vertices.push(Vertex { at: map.station(place), name: place.name.clone() });
-            return lines.iter().map(|&(other, _)| (other, self.vertices.len() - 1)).collect();
-        };
-        standoff_of.insert(place.id, standoff_m);
-        self.doors.push((&place.name, jambs));
-        let first = self.vertices.len();
-        for (side, (_, line)) in lines.iter().enumerate() {
-            let name = format!("{}/{}", place.name, side + 1);
-            self.vertices.push(Vertex { at: trimmed(line, standoff_m)[0], name });
-        }
-        for from in first..self.vertices.len() {
-            let others = from + 1..self.vertices.len();
-            self.lanes.extend(others.map(|to| Lane { from, to }));
-        }
-        lines.iter().enumerate().map(|(side, &(other, _))| (other, first + side)).collect()
-    }
-
-    /// Adds the bends of a route and the lanes between them; `cut` meters at its ends belong to doors.
-    fn add_route(&mut self, connection: &Connection, cut: [f64; 2], gates: [usize; 2]) {
-        let mut line = trimmed(&connection.line_from(connection.b), cut[1]);
-        line.reverse();
-        let line = trimmed(&line, cut[0]);
-        let mut last = gates[0];
-        for &at in &line[1..line.len().max(2) - 1] {
-            self.vertices.push(Vertex { at, name: String::new() });
-            self.lanes.push(Lane { from: last, to: self.vertices.len() - 1 });
-            last = self.vertices.len() - 1;
-        }
-        self.lanes.push(Lane { from: last, to: gates[1] });
-    }
-
-    /// The door that `lane` crosses.
-    fn door_on(&self, lane: &Lane) -> Option<&'a str> {
-        let [from, to] = [lane.from, lane.to].map(|index| self.vertices[index].at);
-        let crossed = |(_, [a, b]): &&(&str, [Point2; 2])| segments_cross(*a, *b, from, to);
-        self.doors.iter().find(crossed).map(|&(name, _)| name)
-    }
-}
-
-/// The first distance from the door at which straight lanes between all its sides run through free cells and one of them crosses
-/// the line between the `jambs`, at most half of the shortest line. `None` if there is none.
-fn standoff(lines: &[(PlaceId, Vec<Point2>)], jambs: [Point2; 2], raster: &PlaceRaster) -> Option<f64> {
-    let shortest = lines.iter().map(|(_, line)| length(line)).min_by(f64::total_cmp)?;
-    DOOR_STANDOFFS_M.into_iter().filter(|&standoff_m| standoff_m <= 0.5 * shortest).find(|&standoff_m| {
-        let gates: Vec<Point2> = lines.iter().map(|(_, line)| trimmed(line, standoff_m)[0]).collect();
-        let lanes =
-            || gates.iter().enumerate().flat_map(|(i, &a)| gates[i + 1..].iter().map(move |&b| (a, b)));
-        lanes().all(|(a, b)| raster.is_free_between(a, b))
-            && lanes().any(|(a, b)| segments_cross(jambs[0], jambs[1], a, b))
-    })
-}
-
-fn length(line: &[Point2]) -> f64 {
-    line.windows(2).map(|ends| ends[0].distance(ends[1])).sum()
-}
-
-/// The rest of `line` after its first `cut_m` meters; at least its last point.
-fn trimmed(line: &[Point2], cut_m: f64) -> Vec<Point2> {
-    let mut left = cut_m;
-    for (index, ends) in line.windows(2).enumerate() {
-        let leg = ends[0].distance(ends[1]);
-        if left < leg {
-            let start = ends[0] + (ends[1] - ends[0]) * (left / leg);
-            return std::iter::once(start).chain(line[index + 1..].iter().copied()).collect();
-        }
-        left -= leg;
-    }
-    line.last().copied().into_iter().collect()
 }

@@ -1,4 +1,4 @@
-//! What a page shows of a result, for the viewer that the report and the browser page share.
+//! The data of a result that the viewer shows, in the report and on the browser page.
 //!
 //! The viewer is plain script (`assets/viewer`); it takes the result as JSON in cells, y down from the map's upper
 //! edge, and pictures as a byte per cell. Cost: linear in cells (the pictures) and corners of outlines.
@@ -10,10 +10,11 @@ use serde_json::{Value, json};
 use super::ReportInput;
 use super::overlay::listed_places;
 use crate::geom::Point2;
-use crate::grid::{Grid, Occupancy};
+use crate::grid::{CellGraph, Grid, Occupancy};
+use crate::labels::Labeling;
 use crate::topology::{Connection, Place, PlaceId};
 
-/// Style of the viewer and of what stands around it.
+/// Style of the viewer and of the page around it.
 pub const VIEWER_STYLE: &str = include_str!("../../assets/viewer/viewer.css");
 
 /// The viewer, each module after those that it uses.
@@ -28,8 +29,8 @@ const MODULES: [&str; 8] = [
     include_str!("../../assets/viewer/controls.js"),
 ];
 
-/// The viewer and then `modules` as one script that needs no server: names are unique over all modules, so imports and
-/// exports are left out.
+/// The viewer and then `modules` as one script that needs no server. Names are unique over all modules, so imports
+/// and exports are removed.
 pub fn viewer_script(modules: &[&str]) -> String {
     let mut script = "\"use strict\";\n(() => {\n".to_owned();
     for line in MODULES.iter().chain(modules).flat_map(|module| module.lines()) {
@@ -61,7 +62,7 @@ pub fn view_json(input: &ReportInput<'_>) -> String {
     data.to_string()
 }
 
-/// A byte per cell, first row on top: 255 free, 128 unknown, 0 occupied.
+/// One byte per cell, first row on top: 255 free, 128 unknown, 0 occupied.
 pub fn view_occupancy(cells: &Grid<Occupancy>) -> Vec<u8> {
     from_top(cells, |value| match value {
         Occupancy::Free => 255,
@@ -70,9 +71,19 @@ pub fn view_occupancy(cells: &Grid<Occupancy>) -> Vec<u8> {
     })
 }
 
-/// A byte per cell, first row on top: the probability of the most likely class in 255ths, 0 where there is none.
+/// One byte per cell, first row on top: the probability of the most likely class in 255ths, 0 for cells that are not
+/// free.
 pub fn view_probability(cells: &Grid<f32>) -> Vec<u8> {
     from_top(cells, |p| (p * 255.0).round() as u8)
+}
+
+/// One byte per cell, first row on top: the class of the cell, numbered from 1; 0 for cells that are not free.
+///
+/// # Panics
+/// If there is not one label per node.
+pub fn view_labels(graph: &CellGraph, labeling: &Labeling) -> Vec<u8> {
+    let numbers: Vec<u8> = labeling.iter().map(|label| label.0 + 1).collect();
+    from_top(&graph.to_grid(&numbers, 0), |number| number)
 }
 
 fn from_top<T: Copy>(cells: &Grid<T>, byte: impl Fn(T) -> u8) -> Vec<u8> {

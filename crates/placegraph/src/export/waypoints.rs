@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::geom::Point2;
-use crate::topology::{Connection, Place, PlaceId, TopologicalMap};
+use crate::topology::{Connection, Place, PlaceId, Route, Shortcut, TopologicalMap};
 
 /// A node: a place's station, or a bend of a route.
 pub(super) struct Waypoint<'a> {
@@ -26,7 +26,9 @@ pub(super) enum WaypointKind {
 pub(super) struct Leg<'a> {
     pub(super) from: usize,
     pub(super) to: usize,
-    pub(super) connection: &'a Connection,
+    pub(super) route: &'a Route,
+    /// Width of the narrowest doorway that the route passes.
+    pub(super) width_m: Option<f64>,
 }
 
 /// Stations of all places in their order, then the bends, and the legs between them.
@@ -38,19 +40,30 @@ pub(super) fn waypoints(map: &TopologicalMap) -> (Vec<Waypoint<'_>>, Vec<Leg<'_>
         .collect();
     let station_of: BTreeMap<PlaceId, usize> =
         map.places.iter().enumerate().map(|(i, place)| (place.id, i)).collect();
+    let routes = map.connections.iter().filter_map(|connection| {
+        let Connection { a, b, route, .. } = connection;
+        Some((vec![*a, *b], map.width_m(connection), route.as_ref()?))
+    });
+    let shortcuts = map.shortcuts.iter().map(|Shortcut { within, a, b, route }| {
+        let widths = [a, b].into_iter().filter_map(|&id| Some(map.place(id)?.doorway.as_ref()?.width_m));
+        (vec![*a, *within, *b], widths.min_by(f64::total_cmp), route)
+    });
     let mut legs = Vec::new();
-    for connection in &map.connections {
-        let Some(route) = &connection.route else { continue };
-        let ends = [connection.a, connection.b].map(|id| station_of.get(&id).copied());
-        let [Some(a), Some(b)] = ends else { continue };
-        let mut last = a;
+    for (through, width_m, route) in routes.chain(shortcuts) {
+        let Some(through) = through.iter().map(|id| station_of.get(id).copied()).collect::<Option<Vec<_>>>()
+        else {
+            continue;
+        };
+        let [from, .., to] = through[..] else { continue };
+        let mut last = from;
         for &bend in &route.line[1..route.line.len().max(2) - 1] {
-            let place = if contains(nodes[b].place, bend) { nodes[b].place } else { nodes[a].place };
+            let inside = through[1..].iter().rev().find(|&&station| contains(nodes[station].place, bend));
+            let place = nodes[*inside.unwrap_or(&from)].place;
             nodes.push(Waypoint { at: bend, place, kind: WaypointKind::Bend });
-            legs.push(Leg { from: last, to: nodes.len() - 1, connection });
+            legs.push(Leg { from: last, to: nodes.len() - 1, route, width_m });
             last = nodes.len() - 1;
         }
-        legs.push(Leg { from: last, to: b, connection });
+        legs.push(Leg { from: last, to, route, width_m });
     }
     (nodes, legs)
 }

@@ -1,4 +1,4 @@
-//! What the YAML formats share.
+//! Code that the YAML formats share.
 
 use serde::Serialize;
 use serde_saphyr::FlowSeq;

@@ -2,7 +2,7 @@
 //!
 //! **Deviations.** Relations divide the shorter beam by the longer (A11, A12, A15): the printed d_i / d_{i+1}
 //! is unbounded and not mirror symmetric. Kurtosis is not reduced by 3. Standard deviations divide by n.
-//! A stump cannot tell any of these from the printed form, except the first, which the author's program has.
+//! None of these makes a difference to a stump, except the first, which is that of the author's program.
 
 use super::families::Measure as M;
 use super::values::Values;
@@ -19,7 +19,7 @@ const N_RELATIONS: usize = 10;
 const TOGETHER: usize = 8;
 /// A16 of a scan whose beams differ by less than this is 0.
 const SD_MIN_M: f32 = 1e-9;
-/// From this share of the mean square on, a variance is told by the sums of values and squares: at most one digit is lost.
+/// From this share of the mean square on, a variance comes from the sums of values and squares: at most one digit is lost.
 const VARIANCE_MIN: f32 = 1.0 / 16.0;
 
 /// Sums of values that are not below 0, and of their squares.
@@ -47,7 +47,7 @@ impl Sums {
     }
 
     /// Mean and population standard deviation of the values of all beams, which `value` gives once more where their spread
-    /// is small beside them.
+    /// is small compared with them.
     #[inline(always)]
     fn mean_and_sd(self, value: impl Fn(usize) -> Singles) -> (Singles, Singles) {
         let (mean, square) = (self.values * (1.0 / N_BEAMS as f32), self.squares * (1.0 / N_BEAMS as f32));
@@ -62,7 +62,7 @@ impl Sums {
     }
 }
 
-/// Which of the features that come from differences of consecutive beams are asked for, beside A1 and A2.
+/// The requested features that come from differences of consecutive beams, in addition to A1 and A2.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Differences {
     /// A3 and A4.
@@ -219,4 +219,20 @@ pub(super) fn relations(d: &Ranges, values: &mut Values) {
 fn relation_of(d: &Ranges, i: usize) -> Singles {
     let tiny = Lanes::all(TINY);
     (d[i].min(d[i + 1]) + tiny) / (d[i].max(d[i + 1]) + tiny)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The squares of beams around 100 m are told to a millimeter: their spread of half a millimeter is not.
+    #[test]
+    fn a_spread_that_is_small_beside_the_values_is_measured_again() {
+        let value = |beam: usize| Lanes::all(100.0 + 0.001 * (beam % 2) as f32);
+        let sums = (0..N_BEAMS).fold(Sums::ZERO, |sums, beam| {
+            sums.plus(Sums { values: value(beam), squares: value(beam) * value(beam) })
+        });
+        let (mean, sd) = sums.mean_and_sd(value);
+        assert!((mean.0[0] - 100.0005).abs() < 5e-5 && (sd.0[0] - 0.0005).abs() < 5e-5, "{mean:?} {sd:?}");
+    }
 }

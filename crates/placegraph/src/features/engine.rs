@@ -17,18 +17,18 @@ use crate::progress::Progress;
 use crate::scan::lanes::{Lanes, WIDTH};
 use crate::scan::{Block, BlockRanges, Instructions, N_BEAMS, RangeScan, RayCaster, ScanConfig};
 
-/// The cells to measure, and how.
+/// The cells to measure, and the settings.
 #[derive(Clone, Copy)]
 pub struct Job<'a> {
     /// The map.
     pub grid: &'a OccupancyGrid,
     /// Free cells of the map, in row-major order, each once: all of them, or any part.
     pub cells: &'a [Cell],
-    /// The features asked for.
+    /// The features to compute.
     pub columns: &'a [FeatureId],
     /// How scans are simulated.
     pub config: &'a ScanConfig,
-    /// Hears how many cells are done.
+    /// Receives the number of finished cells.
     pub progress: &'a dyn Progress,
     /// Which vector instructions to use.
     pub instructions: Instructions,
@@ -126,9 +126,8 @@ fn scatter<T: Copy>(block: &Block, start: usize, per_cell: usize, values: &[T], 
     }
 }
 
-/// Measures all cells of the job and keeps a few numbers of each, which `evaluate` finds from the values of a block while
-/// they are in cache: `evaluate(values, out)` fills `out`, as many numbers for one cell as for the other, one cell after the
-/// other.
+/// Measures all cells of the job and keeps a few numbers for each. `evaluate(values, out)` computes them from the
+/// values of a block while these are in cache: it fills `out`, with equally many numbers for each cell, cell by cell.
 ///
 /// `numbers` takes those of all cells, in the order of `job.cells`. No table of features is ever stored.
 ///

@@ -10,9 +10,15 @@ const INTRODUCTION: &str = "\
 
 <!-- Written by the program from the registry of features. Do not edit. -->
 
-Every feature is a number found from one simulated scan of n = 360 beams with ranges d_i, counter-clockwise
-from the map's x axis; beam n is beam 0 again. They come in two sets, as in appendices A and B of the book:
-from the raw beams, and from the polygon of their end points. The last ones exist only in the author's program.
+Look up the formula of a feature here. To list the features in a terminal:
+
+```sh
+placegraph features
+```
+
+Every feature is a number computed from one simulated scan of n = 360 beams with ranges d_i, counter-clockwise
+from the x axis of the map; beam n is beam 0 again. There are two sets, as in appendices A and B of the book:
+from the raw beams, and from the polygon of their end points. The last features exist only in the author's program.
 
 ```text
 Δ_i = |d_i - d_{i+1}|                         ρ_i = min(d_i, d_{i+1}) / max(d_i, d_{i+1})
@@ -22,12 +28,12 @@ C   centroid of the polygon                   R_i = |v_i - C|
 c_k  Fourier coefficient of the boundary over its arc length t:  c_k = 1/P ∮ v(t) exp(-2πi k t / P) dt
 ```
 
-`mean` and `sd` are over the n beams, standard deviations with divisor n. A scan whose polygon has no area has
-0 in all of set B.
+`mean` and `sd` are over the n beams; standard deviations have the divisor n. If the polygon of a scan has no area,
+all features of set B are 0.
 
 *Scale* is how the value changes when the building is s times as large; `fixed` means that the formula has a
-length of fixed size. All values stay the same when the robot turns on the spot. Those marked *chiral* change
-when the building is mirrored.
+length of fixed size. No value changes when the robot turns on the spot. Those marked *chiral* change when the
+building is mirrored.
 
 A8 splits the end points below 6 m into arcs where neighbors are more than 0.3 m apart, splits an arc at the
 point farthest from its chord while that is more than 0.1 m away, and counts the points of arcs with at least
@@ -48,9 +54,9 @@ pub fn markdown() -> String {
          | set | features | which |\n|---|---|---|\n\
          | `all` | {} | every row above |\n\
          | `freiburg203` | {} | the author's program, which the chapter's experiments count; without A4, A8, B13, B14 |\n\
-         | `chapter183` | {} | all that have a number in the appendices |\n\
+         | `chapter183` | {} | those with a number in the appendices |\n\
          | `old152` | {} | of `freiburg203`, those of Sect. 3.4: without A11 to A16, B15 to B17 and the last section |\n\
-         | `lean120` | {} | all that are cheap: without A8 and B6 above 5 |\n",
+         | `lean120` | {} | the cheap ones: without A8 and B6 above 5 |\n",
         registry().len(),
         freiburg203().len(),
         chapter183().len(),

@@ -1,4 +1,4 @@
-//! A9 and A10: the two deepest local minima of a scan, in a doorway its two jambs.
+//! A9 and A10: the two deepest local minima of a scan; in a doorway, these are its two jambs.
 //!
 //! **Deviations.** The author's program looks for runs of beams from a start beam and so depends on where the
 //! robot looks. Here the scan is a circle: a minimum counts if the range rises by [`PROMINENCE_M`] on both
@@ -90,10 +90,10 @@ pub(super) fn minima(d: &Ranges, along: &Along, found: &mut Found, values: &mut 
 #[inline(always)]
 fn deepest_minima(d: &Ranges, found: &mut Found) {
     found.n = [0; WIDTH];
-    // Rises and descents are told by a sign: with it, both are rises to an extreme.
+    // A sign turns descents into rises: with it, both are rises to an extreme.
     let (mut extreme, starts) = longest(d);
     let mut sign = Lanes::all(0u32);
-    // What is left of the extreme without the prominence. Kept beside it, so that a step waits for little of the one before.
+    // The extreme without the prominence. It is kept separately, so that a step depends little on the one before.
     let prominence = Lanes::all(PROMINENCE_M);
     let mut limit = extreme - prominence;
     // The steps on which the extreme was reached.

@@ -5,7 +5,7 @@
 //!
 //! **Deviations.** η_pq = μ_pq / n^(p+q+2) as in the author's program, so B10 is not scale invariant. Its
 //! values reach 1e-38 for ordinary rooms and less for symmetric ones, beyond the range of `f32`; stored is
-//! sign(φ) log10(1 + |φ| / 1e-40), which is monotone, so that no decision stump can tell.
+//! sign(φ) log10(1 + |φ| / 1e-40), which is monotone, so it makes no difference to a decision stump.
 
 use super::families::Measure as M;
 use super::polygon::Outline;
@@ -13,7 +13,7 @@ use super::values::Values;
 use crate::scan::lanes::{Doubles, Lanes, beams};
 use crate::scan::{N_BEAMS, Ranges, beam_direction};
 
-/// Smallest magnitude of a moment invariant that is told from 0.
+/// Smallest magnitude of a moment invariant that is distinguished from 0.
 const PHI_MIN: f64 = 1e-40;
 const N: f64 = N_BEAMS as f64;
 
@@ -66,7 +66,7 @@ pub(super) fn moments(d: &Ranges, along: &Along, outline: &Outline<'_>, values: 
     let invariants = invariants(second, third);
     for member in 0..invariants.len() {
         let phi = invariants[member];
-        let decades = phi.map(|phi| (1.0 + phi.abs() / PHI_MIN).log10().copysign(phi));
+        let decades = phi.map(|phi| libm::log10(1.0 + phi.abs() / PHI_MIN).copysign(phi));
         values.set_member(M::Moment, member, outline.or_zero(decades.single()));
     }
 }

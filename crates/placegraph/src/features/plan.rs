@@ -1,4 +1,4 @@
-//! Which groups of features have to be computed for the columns asked for.
+//! The groups of features to compute for the requested columns.
 
 use super::FeatureId;
 use super::beams;

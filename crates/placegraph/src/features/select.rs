@@ -1,12 +1,12 @@
-//! Scalar feature selection: features that separate the classes and do not repeat each other (Sect. 4.6.3, Eq. 4.12,
-//! 4.13, Fig. 4.6).
+//! Scalar feature selection: features that separate the classes and are not redundant (Sect. 4.6.3, Eq. 4.12, 4.13,
+//! Fig. 4.6).
 //!
 //! Cost: the pre-filter compares every two columns, O(n L²); the choice of l features costs O(n L l).
 //!
 //! **Deviations** from the chapter: constant columns and columns that repeat an earlier one are dropped first,
 //! because the Fisher ratio of two copies is the same and both would be taken. [`Weighing::Normalized`], the
 //! default, centers the correlation and takes the ratio of every two classes as a share of the largest that any
-//! feature has for them: as printed, the pair that is easiest to tell apart decides alone, the ratio outweighs any
+//! feature has for them: as printed, the pair that is easiest to distinguish decides alone, the ratio outweighs any
 //! correlation, and correlations of positive features are all close to 1. The sum in Fig. 4.6 runs over the l − 1
 //! features chosen before.
 
@@ -57,7 +57,7 @@ pub struct Chosen {
     pub score: f64,
 }
 
-/// Why a column did not take part.
+/// Why a column was not considered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Dropped {
     /// All values are the same.
@@ -66,22 +66,22 @@ pub enum Dropped {
     Repeats(FeatureId, FeatureId),
 }
 
-/// What was selected from what.
+/// The selected features and the columns left aside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
     /// The chosen features in the order of choice.
     pub chosen: Vec<Chosen>,
-    /// The columns that did not take part.
+    /// The columns that were not considered.
     pub dropped: Vec<Dropped>,
 }
 
-/// Columns with a larger |ρ| repeat each other.
+/// Columns with a larger |ρ| are redundant.
 pub const REPEATS_ABOVE: f64 = 0.9999;
 
 /// The Fisher ratio of a feature that is constant within two classes and differs between them: a pole of Eq. (4.12).
 pub const MAX_FISHER_RATIO: f64 = 1e12;
 
-/// Selects features of `table` that tell the classes of `labels` apart, one label per row.
+/// Selects features of `table` that distinguish the classes of `labels`, one label per row.
 ///
 /// Ties go to the earlier column. Fewer than asked come back if the table has fewer distinct columns.
 ///
@@ -145,7 +145,7 @@ fn distinct_columns(table: &FeatureTable) -> (Vec<usize>, Vec<Dropped>) {
     (kept, dropped)
 }
 
-/// S of Eq. (4.12): Σ_i Σ_{j≠i} (μ_i − μ_j)² / (σ_i + σ_j), where σ is what the chapter calls it, the variance.
+/// S of Eq. (4.12): Σ_i Σ_{j≠i} (μ_i − μ_j)² / (σ_i + σ_j), where σ is the variance, as in the chapter.
 pub fn fisher_ratio(values: &[f32], labels: &[Label]) -> f64 {
     2.0 * fisher_ratios(values, labels).iter().sum::<f64>()
 }
@@ -190,7 +190,7 @@ fn mean_shares(ratios: &[Vec<f64>]) -> Vec<f64> {
     ratios.iter().map(share).collect()
 }
 
-/// ρ of Eq. (4.13) with the means taken off; 0 if a column is constant.
+/// ρ of Eq. (4.13), centered; 0 if a column is constant.
 pub fn pearson(a: &[f32], b: &[f32]) -> f64 {
     let n = a.len() as f64;
     let mean = |x: &[f32]| x.iter().map(|&v| v as f64).sum::<f64>() / n;

@@ -1,13 +1,13 @@
 //! A table of feature values: a row per cell, a column per feature.
 
-/// Position of a feature in the registry. Files name features, they never store this number.
+/// Position of a feature in the registry. Files name features and never store this number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct FeatureId(pub u16);
 
 /// `n × L` values, column-major, every value finite.
 ///
 /// Values are `f32`: two million labeled cells by 240 features are 1.9 GB. Features whose values leave the
-/// range of `f32` are stored on a logarithmic scale, which no decision stump can tell (see the registry).
+/// range of `f32` are stored on a logarithmic scale, which makes no difference to a decision stump (see the registry).
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureTable {
     columns: Vec<FeatureId>,
@@ -16,7 +16,7 @@ pub struct FeatureTable {
 }
 
 impl FeatureTable {
-    /// Takes `values`, `n_rows` a column, columns in the order of `columns`.
+    /// Makes a table from `values`, `n_rows` per column, with columns in the order of `columns`.
     ///
     /// # Panics
     /// If the length is not `n_rows · columns.len()`, or a column is named twice; in debug builds also if a
@@ -40,7 +40,7 @@ impl FeatureTable {
         &self.columns
     }
 
-    /// The values of column number `column`, one a row.
+    /// The values of column number `column`, one per row.
     pub fn column(&self, column: usize) -> &[f32] {
         &self.values[column * self.n_rows..(column + 1) * self.n_rows]
     }

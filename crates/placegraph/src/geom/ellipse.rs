@@ -4,6 +4,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use serde::{Deserialize, Serialize};
 
+use super::Vec2;
+
 /// Axes of the ellipse with the same second moments as a region.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -24,7 +26,7 @@ impl EllipseAxes {
     /// ```
     /// with a = xx, b = xy, c = yy. Where the axes are equal the direction is 0.
     pub fn from_moments(xx: f64, xy: f64, yy: f64) -> Self {
-        let spread = (xx - yy).hypot(2.0 * xy);
+        let spread = Vec2::new(xx - yy, 2.0 * xy).length();
         let axis = |lambda: f64| 4.0 * lambda.max(0.0).sqrt();
         Self {
             major_m: axis(0.5 * (xx + yy + spread)),

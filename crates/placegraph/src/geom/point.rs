@@ -4,7 +4,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use serde::{Deserialize, Serialize};
 
-/// A position in the plane, in meters (or in cells where the name of a value says so).
+/// A position in the plane, in meters (or in cells if the name of a value says so).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Point2 {
     /// First coordinate.
@@ -46,7 +46,7 @@ impl Point2 {
         (other - self).length()
     }
 
-    /// The point half way to `other`.
+    /// The midpoint between this point and `other`.
     pub fn midpoint(self, other: Self) -> Self {
         self + (other - self) * 0.5
     }
@@ -60,7 +60,8 @@ impl Vec2 {
 
     /// Euclidean length.
     pub fn length(self) -> f64 {
-        self.x.hypot(self.y)
+        // A square root has the same bits on every machine, `hypot` has not.
+        self.dot(self).sqrt()
     }
 
     /// Scalar product.
@@ -87,13 +88,13 @@ impl Pose2 {
         Self { x, y, yaw_rad }
     }
 
-    /// Takes `point` from the inner frame to the outer one.
+    /// Transforms `point` from the inner frame to the outer one.
     pub fn apply(self, point: Point2) -> Point2 {
         let turned = Vec2::new(point.x, point.y).rotated(self.yaw_rad);
         Point2::new(self.x + turned.x, self.y + turned.y)
     }
 
-    /// Takes `point` from the outer frame back to the inner one.
+    /// Transforms `point` from the outer frame back to the inner one.
     pub fn apply_inverse(self, point: Point2) -> Point2 {
         let turned = (point - Point2::new(self.x, self.y)).rotated(-self.yaw_rad);
         Point2::new(turned.x, turned.y)

@@ -14,7 +14,7 @@ pub(crate) const NO_NODE: u32 = u32::MAX;
 /// The free cells of a map, numbered in row-major order from the bottom left, so that node ids are deterministic and
 /// neighbors are near in memory. Edges are implicit: [`CellGraph::neighbors`].
 ///
-/// A bit per cell, the number of nodes before every 64 cells, and where every 64th node is: at most 0.3 bytes a cell.
+/// A bit per cell, the number of nodes before every 64 cells, and where every 64th node is: at most 0.3 bytes per cell.
 /// A node is found from its cell by counting bits, and a cell from its node by looking for one.
 #[derive(Clone, Debug)]
 pub struct CellGraph {
@@ -80,8 +80,8 @@ impl CellGraph {
         self.height
     }
 
-    /// The cell of `node`. Cost: a few dozen operations; where one node follows the other, [`CellGraph::cells_in_rows`] costs
-    /// a few.
+    /// The cell of `node`. Cost: a few dozen operations; for consecutive nodes, [`CellGraph::cells_in_rows`] costs a
+    /// few.
     ///
     /// # Panics
     /// If there is no such node.
@@ -93,7 +93,8 @@ impl CellGraph {
         Cell::new(index as u32 % self.width, index as u32 / self.width)
     }
 
-    /// Cell of every node, in the order of the nodes: a list of 8 bytes a node, made when it is first asked for and kept.
+    /// The cell of every node, in the order of the nodes. Makes a list of 8 bytes per node at the first call and
+    /// keeps it.
     pub fn cells(&self) -> &[Cell] {
         self.cells.get_or_init(|| self.cells_in_rows(0..self.height).collect())
     }
@@ -103,7 +104,7 @@ impl CellGraph {
         rows.flat_map(move |y| self.columns(y, 0..self.width).map(move |x| Cell::new(x, y)))
     }
 
-    /// `values` of the nodes where they are in the map, and `fill` in all other cells.
+    /// `values` of the nodes at their positions in the map, and `fill` in all other cells.
     ///
     /// # Panics
     /// If there is not one value per node.
@@ -171,7 +172,7 @@ impl CellGraph {
         self.n_before(y as usize * self.width as usize + x as usize)
     }
 
-    /// The nodes of `rows`, which follow each other.
+    /// The nodes of `rows`, which are consecutive.
     pub fn nodes_in_rows(&self, rows: Range<u32>) -> Range<usize> {
         self.n_nodes_before(rows.start, 0)..self.n_nodes_before(rows.end, 0)
     }
@@ -209,14 +210,14 @@ impl CellGraph {
         cell.y as usize * self.width as usize + cell.x as usize
     }
 
-    /// The node `step` away from `cell`, or `None` where there is no free cell.
+    /// The node `step` away from `cell`, or `None` if no free cell is there.
     pub fn node_beside(&self, cell: Cell, step: (i32, i32)) -> Option<usize> {
         let x = cell.x.checked_add_signed(step.0).filter(|&x| x < self.width)?;
         let y = cell.y.checked_add_signed(step.1).filter(|&y| y < self.height)?;
         self.node_at(Cell::new(x, y))
     }
 
-    /// The node `step` away from `node`, or `None` where there is no free cell.
+    /// The node `step` away from `node`, or `None` if no free cell is there.
     pub fn node_at_step(&self, node: usize, step: (i32, i32)) -> Option<usize> {
         self.node_beside(self.cell(node), step)
     }

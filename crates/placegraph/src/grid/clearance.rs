@@ -1,6 +1,5 @@
-//! Distances to the nearest cell of another kind: Euclidean and exact, first along the columns, then the
-//! lower envelope of parabolas over the runs of the rows [Meijster, Roerdink, Hesselink 2000]. Cost: linear
-//! in nodes.
+//! Exact Euclidean distances to the nearest cell of another kind: first along the columns, then the lower envelope of
+//! parabolas over the runs of the rows [Meijster, Roerdink, Hesselink 2000]. Cost: linear in nodes.
 
 use super::{CellGraph, NO_NODE};
 
@@ -66,9 +65,9 @@ struct RowPass {
 
 impl RowPass {
     /// For the cells of a run with column distances g, the least of (x − u)² + g(u)² over all cells u of the
-    /// run and the two cells beside it, where g is 0. Cells farther along the row are never nearer.
+    /// run and the two cells next to it, where g is 0. Cells farther along the row are never nearer.
     fn squared_distances(&mut self, along_column: &[u16]) -> &[i64] {
-        // Positions 0 and `end` are the cells beside the run.
+        // Positions 0 and `end` are the cells next to the run.
         let end = along_column.len() as u32 as i64 + 1;
         let squared_g = |u: i64| match u {
             0 => 0,

@@ -18,14 +18,14 @@ pub struct MapFrame {
 pub const MIN_RESOLUTION_M: f64 = 1e-6;
 /// Largest side of a cell, in meters: what is computed from it stays finite.
 pub const MAX_RESOLUTION_M: f64 = 1e6;
-/// Largest coordinate of an origin, in meters and radians: beyond it there are no tenths of a micrometer.
+/// Largest coordinate of an origin, in meters and radians; a larger one could not resolve a tenth of a micrometer.
 pub const MAX_ORIGIN: f64 = 1e9;
 
 /// Why a resolution or an origin cannot georeference a grid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
-    /// The resolution is no length of a cell.
+    /// The resolution is not a valid length of a cell.
     #[error(
         "expected a resolution above 0 meters per cell, {MIN_RESOLUTION_M} to {MAX_RESOLUTION_M}, found {found}"
     )]
@@ -45,7 +45,7 @@ pub enum FrameError {
 }
 
 impl MapFrame {
-    /// A frame with cells of `resolution_m` meters whose lower left corner stands at `map_from_grid`.
+    /// A frame with cells of `resolution_m` meters, whose lower left corner has the pose `map_from_grid`.
     ///
     /// # Errors
     /// If the resolution is not in [`MIN_RESOLUTION_M`]..=[`MAX_RESOLUTION_M`], or a coordinate of the origin is above
@@ -81,23 +81,23 @@ impl MapFrame {
         Self { map_from_grid, ..self }
     }
 
-    /// Takes a point given in cells from the lower left corner of the grid to meters in the map frame.
+    /// Transforms a point in cells from the lower left corner of the grid to meters in the map frame.
     pub fn map_from_cells(&self, point: Point2) -> Point2 {
         self.map_from_grid.apply(Point2::new(point.x * self.resolution_m, point.y * self.resolution_m))
     }
 
-    /// Takes a point in meters of the map frame to cells from the lower left corner of the grid.
+    /// Transforms a point in meters in the map frame to cells from the lower left corner of the grid.
     pub fn cells_from_map(&self, point: Point2) -> Point2 {
         let in_grid = self.map_from_grid.apply_inverse(point);
         Point2::new(in_grid.x / self.resolution_m, in_grid.y / self.resolution_m)
     }
 
-    /// Center of `cell`, in meters of the map frame.
+    /// Center of `cell`, in meters in the map frame.
     pub fn center(&self, cell: Cell) -> Point2 {
         self.map_from_cells(cell.center())
     }
 
-    /// The cell that contains `point` of the map frame, if column and row are not negative.
+    /// The cell that contains `point` in the map frame, unless its column or row is negative.
     pub fn cell_at(&self, point: Point2) -> Option<Cell> {
         let Point2 { x, y } = self.cells_from_map(point);
         let whole = |v: f64| (v >= 0.0 && v < u32::MAX as f64).then_some(v as u32);

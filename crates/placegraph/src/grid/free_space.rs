@@ -1,8 +1,8 @@
-//! The free cells of a map and where they are.
+//! The free cells of a map and their positions.
 
 use super::{CellGraph, MapFrame, OccupancyGrid};
 
-/// The free cells of a map as the graph G = (V, E) of Sect. 4.5, and where they are.
+/// The free cells of a map as the graph G = (V, E) of Sect. 4.5, with their positions.
 ///
 /// Stages that measure in meters take it; those that only step from cell to cell take the [`CellGraph`].
 ///
@@ -37,7 +37,7 @@ impl FreeSpace {
         self.frame.resolution_m()
     }
 
-    /// A length of `meters` in sides of a cell.
+    /// Converts a length in meters to cells.
     pub fn in_cells(&self, meters: f64) -> f64 {
         meters / self.frame.resolution_m()
     }

@@ -22,7 +22,7 @@ impl Cell {
         Point2::new(self.x as f64 + 0.5, self.y as f64 + 0.5)
     }
 
-    /// The cell so many columns and rows away, which exists.
+    /// The cell at this offset in columns and rows, which must exist.
     pub(crate) fn moved(self, columns: i32, rows: i32) -> Self {
         Self::new(self.x.wrapping_add_signed(columns), self.y.wrapping_add_signed(rows))
     }
@@ -37,7 +37,7 @@ pub struct Grid<T> {
 }
 
 impl<T> Grid<T> {
-    /// Takes `values` in rows from the bottom up.
+    /// Makes a grid from `values`, rows from the bottom up.
     ///
     /// # Panics
     /// If a side is 0 or `values.len()` is not `width · height`; readers check both before they call this.
@@ -47,7 +47,7 @@ impl<T> Grid<T> {
         Self { width, height, values }
     }
 
-    /// Reads a drawing: what every character means, the first line being the map's top.
+    /// Reads a drawing with the meaning of every character; the first line is the top of the map.
     ///
     /// Lines are trimmed and empty lines skipped, so that drawings can be indented.
     ///
@@ -85,12 +85,12 @@ impl<T> Grid<T> {
         &self.values
     }
 
-    /// All values, to be changed in place.
+    /// All values, mutable.
     pub fn values_mut(&mut self) -> &mut [T] {
         &mut self.values
     }
 
-    /// The values of row `y`, left to right.
+    /// The values of row `y`, from left to right.
     pub fn row(&self, y: u32) -> &[T] {
         let start = y as usize * self.width as usize;
         &self.values[start..start + self.width as usize]

@@ -33,7 +33,8 @@ impl Connectivity {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DiagonalSteps {
-    /// If at least one of the two cells beside the step is free, so that no step crosses a diagonal wall.
+    /// Allow the step if at least one of the two cells that it passes is free, so that no step crosses a diagonal
+    /// wall.
     #[default]
     ThroughFree,
     /// Always: plain 8-connectivity.

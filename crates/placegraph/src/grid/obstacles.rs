@@ -5,7 +5,7 @@ use super::{Cell, CellGraph};
 /// Steps to the 8 cells around a cell. The last one is taken first, again and again: a search runs along a wall.
 const AROUND: [(i32, i32); 8] = [(-1, -1), (1, -1), (-1, 1), (1, 1), (0, -1), (-1, 0), (0, 1), (1, 0)];
 
-/// The obstacles of a map, found one by one where they are asked for.
+/// The obstacles of a map, found one at a time on request.
 #[derive(Clone, Copy, Debug)]
 pub struct Obstacles<'a> {
     graph: &'a CellGraph,
@@ -17,9 +17,9 @@ impl<'a> Obstacles<'a> {
         Self { graph }
     }
 
-    /// The cells of the obstacle that `cell` belongs to, if it is at most `max_length` cells long and wide and does not reach the
-    /// border of the map; what reaches it goes on beyond. `None` if it is longer. Cost: O(`max_length`) for a wall, at most
-    /// its square.
+    /// The cells of the obstacle that contains `cell`, if it is at most `max_length` cells long and wide and does not
+    /// reach the border of the map, beyond which it may continue; else `None`. Cost: O(`max_length`) for a wall, at
+    /// most its square.
     ///
     /// # Panics
     /// If `cell` is free or outside the map.

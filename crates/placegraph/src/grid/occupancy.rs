@@ -3,7 +3,7 @@
 use super::{Cell, Grid, MapFrame};
 use crate::geom::Pose2;
 
-/// What is known of a cell.
+/// The state of a cell.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[repr(u8)]
 pub enum Occupancy {
@@ -20,7 +20,7 @@ pub enum Occupancy {
 pub struct OccupancyGrid {
     /// Where the cells are.
     pub frame: MapFrame,
-    /// What is known of them.
+    /// The states of the cells.
     pub cells: Grid<Occupancy>,
 }
 

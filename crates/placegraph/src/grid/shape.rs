@@ -25,8 +25,8 @@ impl GridShape {
         self.frame.cell_at(point).filter(|cell| cell.x < self.width && cell.y < self.height)
     }
 
-    /// The smallest grid of the same resolution, not rotated, that covers this one: consumers of costmap
-    /// masks ignore a rotation.
+    /// The smallest grid of the same resolution, without rotation, that covers this one: consumers of costmap masks
+    /// ignore a rotation.
     pub fn upright(&self) -> Self {
         let corner = |x: u32, y: u32| self.frame.map_from_cells(Point2::new(x as f64, y as f64));
         let corners =

@@ -4,7 +4,7 @@
 //! zero-terminated name precedes the data), a 32-bit size of what follows it, a description of 10 characters,
 //! data. All numbers are little-endian. The grid (type 1) is its sides as 32-bit integers, the resolution, and
 //! the probability of every cell, column by column from the lower left, −1 where nothing is known. Resolution
-//! and cells are 32-bit floats, or 64-bit ones in some forks: the size of the chunk tells.
+//! and cells are 32-bit floats, or 64-bit ones in some forks: the size of the chunk decides.
 //!
 //! A file may go on after the grid with places and off-limits shapes, or with a stray byte; of a gzipped file that is unpacked,
 //! so that its checksum is checked, but nothing is made of it.
@@ -31,7 +31,7 @@ const GRIDMAP: u8 = 1;
 pub struct CarmenMap {
     /// Meters per cell: the shortest decimal that reads as the file's 32-bit float.
     pub resolution_m: f64,
-    /// Probability that a cell is occupied; −1 where nothing is known.
+    /// Probability that a cell is occupied; −1 if it is unknown.
     pub probabilities: Grid<f32>,
 }
 
@@ -44,7 +44,13 @@ pub fn occupancy(p: f32, how: &Interpretation) -> Occupancy {
 }
 
 /// How map files of this kind are read.
-pub(super) const READER: Reader = Reader { is_known: is_carmen, max_bytes: file::max_bytes, read };
+pub(super) const READER: Reader = Reader {
+    extensions: &["map", "gz"],
+    is_certain: is_carmen,
+    is_known: is_carmen,
+    max_bytes: file::max_bytes,
+    read,
+};
 
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<(OccupancyGrid, Source), MapError> {
     let map = parse(bytes, options.max_cells)?;
@@ -63,7 +69,7 @@ pub fn is_carmen(bytes: &[u8]) -> bool {
 
 /// Reads the first grid of a CARMEN map file.
 ///
-/// Memory grows with the data that is really there, also when it is gzipped, up to 16 bytes a cell. Cost: one pass.
+/// Memory grows with the data that is really there, also when it is gzipped, up to 16 bytes per cell. Cost: one pass.
 ///
 /// # Errors
 /// If the tag or the grid is missing, the file is cut off or its gzip stream damaged, the grid has no cell or

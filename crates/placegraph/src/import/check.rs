@@ -1,4 +1,4 @@
-//! The check of a map that was read: what would spoil a labeling of it, in words that say what to do.
+//! The check of a map: what would spoil its labeling, and what to do about it.
 //!
 //! Cost: a few passes over the cells. The rules are ours; their limits are constants with a reason each, and
 //! `tests/formats/import_check.rs` counts how often they are right on real maps and on spoiled copies of them.
@@ -78,7 +78,7 @@ pub fn check(map: &LoadedMap) -> MapCheck {
     MapCheck { shares, n_parts, findings }
 }
 
-/// What the way the map was read tells.
+/// Findings about how the map was read.
 fn reading(map: &LoadedMap) -> Vec<Finding> {
     let free_thresh = map.source.interpretation.free_thresh;
     let mut findings = Vec::new();
@@ -105,7 +105,7 @@ fn reading(map: &LoadedMap) -> Vec<Finding> {
     findings
 }
 
-/// What the shape of the free and the occupied areas tells, and in how many parts the free space is.
+/// Findings about the shape of the free and the occupied areas, and the number of parts of the free space.
 fn shape(map: &OccupancyGrid) -> (Vec<Finding>, u64) {
     let mut findings = Vec::new();
     let resolution_m = map.frame.resolution_m();
@@ -133,7 +133,7 @@ fn shape(map: &OccupancyGrid) -> (Vec<Finding>, u64) {
     (findings, areas.n_parts)
 }
 
-/// The areas of free cells that touch one another, by corners too.
+/// The areas of free cells that touch, at corners too.
 struct FreeAreas {
     /// Those smaller than a robot.
     n_islands: u64,
@@ -174,7 +174,7 @@ impl FreeAreas {
     }
 }
 
-/// Columns and rows of the bounding box of `area`, row-major indices of a grid so many columns wide.
+/// Columns and rows of the bounding box of `area`, row-major indices of a grid with this many columns.
 fn extent_cells(area: &[u32], width: u32) -> [u32; 2] {
     let span = |position: &dyn Fn(u32) -> u32| {
         let positions = || area.iter().map(|&index| position(index));

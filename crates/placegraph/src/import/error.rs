@@ -1,4 +1,4 @@
-//! What can be wrong with a map file.
+//! Errors of map files.
 
 use std::io;
 use std::path::PathBuf;
@@ -98,7 +98,7 @@ pub enum MapError {
         beside: Vec<String>,
     },
     /// A file that is needed is not among those that were given.
-    #[error("expected the file {name} beside this one, found none: give both")]
+    #[error("the file {name}, which this one names, is missing: give both")]
     NotGiven {
         /// Its name.
         name: String,
@@ -120,7 +120,7 @@ pub enum MapError {
         /// What is wrong.
         error: Box<MapError>,
     },
-    /// The bytes are no image of a kind that is read.
+    /// The bytes are not an image of a known kind.
     #[error("expected a PNG, BMP or PNM (PGM, PBM, PPM) image, found {found}")]
     ImageFormat {
         /// What they look like.
@@ -165,11 +165,11 @@ pub enum MapError {
         "an image alone has no scale: {}",
         yaml.as_ref().map_or_else(
             || "give its meters per pixel".to_owned(),
-            |yaml| format!("read {yaml}, which lies beside it, or give its meters per pixel")
+            |yaml| format!("read {yaml} next to it instead, or give its meters per pixel")
         )
     )]
     NoResolution {
-        /// Name of a YAML file beside the image that is called like it.
+        /// Name of a YAML file next to the image, with the same stem.
         yaml: Option<String>,
     },
     /// The bytes are JSON, but not of a Valetudo map.
@@ -178,7 +178,46 @@ pub enum MapError {
         /// What is wrong.
         message: String,
     },
-    /// The CARMEN tag does not stand where the comments end.
+    /// A recording is damaged.
+    #[error("the recording cannot be read: {message}")]
+    Recording {
+        /// What is wrong.
+        message: String,
+    },
+    /// A recording of an unknown kind.
+    #[error("recordings are read as MCAP, found {found}: convert it, for example with `{command}`")]
+    RecordingFormat {
+        /// What it is.
+        found: &'static str,
+        /// What makes an MCAP file of it.
+        command: &'static str,
+    },
+    /// A recording without maps.
+    #[error("expected a recording with messages of the type nav_msgs/msg/OccupancyGrid, found none")]
+    NoRecordedGrid,
+    /// Several topics have maps, and none was chosen.
+    #[error("several topics have maps, choose one of them: {}", found.join(", "))]
+    SeveralTopics {
+        /// The topics.
+        found: Vec<String>,
+    },
+    /// The requested topic has no maps.
+    #[error("expected maps on the topic {topic}, found {}", listed(found))]
+    NoSuchTopic {
+        /// The topic.
+        topic: String,
+        /// The topics that have maps.
+        found: Vec<String>,
+    },
+    /// A recorded message is not a map.
+    #[error("the map on {topic} cannot be read: {message}")]
+    RecordedGrid {
+        /// Its topic.
+        topic: String,
+        /// What is wrong.
+        message: String,
+    },
+    /// The comments are not followed by the CARMEN tag.
     #[error("expected CARMENMAPFILEv020 after the comments, found {found:?}")]
     CarmenTag {
         /// The bytes found, printable ones as they are.
@@ -218,7 +257,7 @@ pub enum MapError {
     },
 }
 
-/// Memory that reading takes per cell at most, beside the file itself: samples, gray values, and the map.
+/// Memory that reading takes per cell at most, in addition to the file itself: samples, gray values, and the map.
 const READ_BYTES_PER_CELL: u64 = 32;
 
 /// The least that is probed for. The C library of Linux keeps freed blocks up to the largest it has seen freed, if that is not
@@ -227,15 +266,20 @@ const LEAST_PROBE: u64 = 33 << 20;
 
 /// Whether the system would give `n_bytes` of memory now, and 33 MiB if these are more.
 ///
-/// An allocation that fails ends a program at once, so that nothing can be told; who asks before can tell. Memory that
+/// A failed allocation ends the program at once, without a message; with a probe first, there is one. Memory that
 /// the system promises and does not have is not noticed.
 pub fn has_memory(n_bytes: u64) -> bool {
     let mut probe: Vec<u8> = Vec::new();
     let n_bytes = n_bytes.max(LEAST_PROBE);
     let is_given = usize::try_from(n_bytes).is_ok_and(|n_bytes| probe.try_reserve_exact(n_bytes).is_ok());
-    // What nobody looks at would not be allocated.
+    // Memory that is never used would not be allocated.
     std::hint::black_box(&probe);
     is_given
+}
+
+/// Words in a row, or that there are none.
+fn listed(words: &[String]) -> String {
+    if words.is_empty() { "none".to_owned() } else { format!("them on {}", words.join(", ")) }
 }
 
 /// Where a parser stopped, in words; nothing if it does not know.
@@ -244,7 +288,7 @@ fn place(line: u64, column: u64) -> String {
 }
 
 impl MapError {
-    /// What is wrong, without the files that it is in.
+    /// The error itself, without the files that it is in.
     pub fn cause(&self) -> &Self {
         match self {
             Self::InFile { error, .. } | Self::ImageFile { error, .. } => error.cause(),

@@ -1,22 +1,21 @@
-//! Opens files that may be anything: bounded, unchanged while they are read, and inside the folder that they may
-//! lie in.
+//! Opens untrusted files: bounded, unchanged while they are read, and inside the folder that they may lie in.
 
 use std::fs::{self, File, Metadata};
-use std::io::{self, Read};
+use std::io::{self, BufReader, Read};
 use std::path::{Component, Path, PathBuf};
 
 use super::{MapError, image, reader_of};
 
 /// Largest YAML or TOML file that is read, in bytes.
 pub const MAX_TEXT_BYTES: u64 = 1 << 20;
-/// A header and some metadata: what a file may hold beside its cells.
+/// A header and some metadata: bytes that a file may have in addition to its cells.
 const OVERHEAD_BYTES: u64 = 1 << 24;
-/// Plain PNM spends up to 18 bytes a cell; everything else is smaller.
+/// Plain PNM takes up to 18 bytes per cell; everything else is smaller.
 const BYTES_PER_CELL: u64 = 18;
 /// Enough for the header of any image.
 const HEAD_BYTES: u64 = 1 << 16;
 
-/// Where a file may lie that another file names.
+/// Where a file that another file names may lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NamedFiles {
     /// In the folder of the file that names it, or below it.
@@ -63,8 +62,11 @@ pub(super) fn max_bytes(cells: u64) -> u64 {
     cells.saturating_mul(BYTES_PER_CELL).saturating_add(OVERHEAD_BYTES)
 }
 
-/// Reads the file at `path`, of at most so many bytes as `max_bytes` allows for its first ones.
-fn read_with(path: &Path, max_bytes: impl Fn(&[u8]) -> Result<u64, MapError>) -> Result<Vec<u8>, MapError> {
+/// Reads the file at `path`, of at most as many bytes as `max_bytes` returns for its first bytes.
+pub(super) fn read_with(
+    path: &Path,
+    max_bytes: impl Fn(&[u8]) -> Result<u64, MapError>,
+) -> Result<Vec<u8>, MapError> {
     let io = |error| MapError::Io { error };
     let mut file = open(path).map_err(io)?;
     let before = file.metadata().map_err(io)?;
@@ -88,6 +90,21 @@ fn read_with(path: &Path, max_bytes: impl Fn(&[u8]) -> Result<u64, MapError>) ->
         return Err(MapError::Changed);
     }
     Ok(bytes)
+}
+
+/// Opens the file at `path` to be read from its beginning to its end.
+///
+/// # Errors
+/// If it cannot be opened or is no regular file.
+pub fn open_stream(path: &Path) -> Result<BufReader<File>, MapError> {
+    let io = |error| MapError::Io { error };
+    let file = open(path).map_err(io)?;
+    let metadata = file.metadata().map_err(io)?;
+    if metadata.is_file() || is_handed_over(path) && is_pipe(&metadata) {
+        Ok(BufReader::new(file))
+    } else {
+        Err(MapError::NoFile { found: kind(&metadata) })
+    }
 }
 
 /// Opens a file without waiting for anybody: a pipe without a writer would let the program hang.
@@ -130,7 +147,7 @@ fn has_changed(before: &Metadata, after: &Metadata, n_read: u64) -> bool {
 
 /// The path of the file that the file at `by` names `name`, relative to its folder unless it is absolute.
 ///
-/// Symbolic links are followed first. A file beside what `by` itself links to counts as inside: an installed
+/// Symbolic links are followed first. A file next to the target of the link `by` counts as inside: an installed
 /// folder of links is one folder.
 ///
 /// # Errors
@@ -198,9 +215,10 @@ mod tests {
             });
             assert!(matches!(read, Err(MapError::Changed)), "{} bytes: {read:?}", after.len());
         }
+        fs::write(&path, &long).unwrap();
         let read_while_another_has_its_length = read_with(&path, |_| {
             fs::write(&path, vec![b'y'; long.len()]).unwrap();
-            // The clock of the file system may be too coarse to tell.
+            // The clock of the file system may be too coarse to show a change.
             File::options().write(true).open(&path).unwrap().set_modified(SystemTime::UNIX_EPOCH).unwrap();
             Ok(1 << 20)
         });

@@ -1,4 +1,4 @@
-//! What the check of a map can find, and the words for it.
+//! Findings of the check of a map, and their texts.
 
 use std::fmt;
 
@@ -7,11 +7,11 @@ use serde::Serialize;
 use super::ReplacedImage;
 use super::check::ISLAND_M2;
 
-/// How bad a finding is.
+/// The severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Severity {
-    /// Good to know.
+    /// Worth knowing.
     Info,
     /// The result may be wrong.
     Warning,
@@ -29,7 +29,7 @@ impl fmt::Display for Severity {
     }
 }
 
-/// One thing that the check found. `Display` says what it means and what to do.
+/// A finding of the check. `Display` says what it means and what to do.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "finding", rename_all = "snake_case")]
 #[non_exhaustive]
@@ -45,7 +45,7 @@ pub enum Finding {
         /// The threshold that makes them free.
         free_thresh: f64,
     },
-    /// Gray 205 is free by the letter of the file, and was taken as free, as asked.
+    /// Gray 205 is free by the thresholds of the file, and was read as free, as requested.
     Gray205Free {
         /// Cells of this gray.
         n_cells: u64,
@@ -81,7 +81,7 @@ pub enum Finding {
     NoOccupiedCell,
     /// No cell is unknown.
     NoUnknownCell,
-    /// The image that the YAML names is not there; one of the same name beside the YAML was read.
+    /// The YAML file names an image that does not exist; one of the same name next to the YAML file was read.
     ReplacedImage(ReplacedImage),
     /// The yaw of the origin is more than a full turn, as if it were in degrees.
     YawInDegrees {
@@ -110,7 +110,7 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// How bad it is.
+    /// The severity of the finding.
     pub const fn severity(&self) -> Severity {
         match self {
             Self::NoFreeCell => Severity::Error,
@@ -178,11 +178,13 @@ impl fmt::Display for Finding {
                 f,
                 "no cell is occupied: check the thresholds in the YAML file; beams will end at unknown cells only"
             ),
-            Self::NoUnknownCell => write!(f, "no cell is unknown: all that is not free counts as wall"),
+            Self::NoUnknownCell => {
+                write!(f, "no cell is unknown: every cell that is not free counts as wall")
+            }
             Self::ReplacedImage(ReplacedImage { ref named, ref read }) => write!(
                 f,
-                "the YAML file names the image {named}, which is not there; {read} beside it was read: write image: \
-                 {read} if that is the one"
+                "the YAML file names the image {named}, which is not there; {read} next to the YAML file was read \
+                 instead: if it is the right one, write image: {read}"
             ),
             Self::YawInDegrees { yaw_rad } => write!(
                 f,
@@ -203,7 +205,8 @@ impl fmt::Display for Finding {
             Self::Islands { n_islands, area_m2 } => write!(
                 f,
                 "{n_islands} islands of free cells below {ISLAND_M2} m² each ({area_m2:.1} m² together) are separated from the \
-                 rest, mostly beams that passed through windows; they take the label of what is nearest and are no places"
+                 rest, mostly by beams that passed through windows; they take the label of the nearest free cells and form \
+                 no places"
             ),
         }
     }

@@ -11,7 +11,7 @@ use image::{ColorType, ImageDecoder, ImageError, ImageFormat, Limits};
 
 use super::MapError;
 
-/// What the samples of a pixel are, in their order.
+/// The samples of a pixel, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channels {
     /// Gray.
@@ -44,7 +44,7 @@ impl Channels {
     }
 }
 
-/// The samples of an image, at the depth the file has.
+/// The samples of an image, at the depth of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Samples {
     /// 8 bits or fewer a sample, expanded to 0..=255.
@@ -60,7 +60,7 @@ pub struct Raster {
     pub width: u32,
     /// Number of rows, at least 1.
     pub height: u32,
-    /// What the samples of a pixel are.
+    /// The samples of a pixel.
     pub channels: Channels,
     /// `width · height · channels.n_samples()` samples.
     pub samples: Samples,
@@ -93,10 +93,10 @@ pub(super) fn declared_size(head: &[u8]) -> Option<(u64, u64)> {
     Some((width.into(), height.into()))
 }
 
-/// Decodes `bytes`, whose first bytes tell PNG, BMP and PNM apart.
+/// Decodes `bytes`, a PNG, BMP or PNM image by its first bytes.
 ///
 /// # Errors
-/// If the bytes are none of them, the image is damaged or has no pixel, or it has more than `max_cells` pixels
+/// If the bytes are none of these, the image is damaged or has no pixel, or it has more than `max_cells` pixels
 /// (found from the header, before memory is taken).
 pub fn decode(bytes: &[u8], max_cells: u64) -> Result<Raster, MapError> {
     let cursor = Cursor::new(bytes);

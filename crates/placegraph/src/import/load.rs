@@ -1,6 +1,7 @@
 //! Opens a map, whatever its format.
 
 use std::borrow::Cow;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -9,14 +10,14 @@ use sha2::{Digest, Sha256};
 use super::file::{self, NamedFiles};
 use super::image::Raster;
 use super::ros::{self, Brightness, Interpretation, Mode, Rules};
-use super::{Format, MapError, image, reader_of, smoothing};
+use super::{Format, MapError, image, reader_of, recording, smoothing};
 use crate::geom::Pose2;
 use crate::grid::{Grid, MapFrame, Occupancy, OccupancyGrid};
 use crate::text::printable;
 
-/// What to do with gray 205 where a trinary map's thresholds make it free.
+/// How to read gray 205 if the thresholds of a trinary map would make it free.
 ///
-/// Map savers write 205 for unknown, p = 0.19608; older Nav2 savers wrote `free_thresh: 0.25` beside it, which
+/// Map savers write 205 for unknown, p = 0.19608; older Nav2 savers also wrote `free_thresh: 0.25`, which
 /// makes all unexplored space free.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -24,25 +25,27 @@ pub enum Gray205 {
     /// Unknown, where the file has the signature of the trap: see [`Source::gray_205_cells`].
     #[default]
     Unknown,
-    /// What the file says.
+    /// Follow the file.
     AsFile,
 }
 
 /// How maps are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReadOptions {
-    /// Meters per pixel: needed for an image alone; else it replaces what the file says.
+    /// Meters per pixel: required for a plain image; for other maps it replaces the value in the file.
     pub resolution_m: Option<f64>,
-    /// Replaces the file's threshold (CARMEN maps and images alone: 0.65).
+    /// Replaces the threshold in the file (CARMEN maps and plain images: 0.65).
     pub occupied_thresh: Option<f64>,
-    /// Replaces the file's threshold (CARMEN maps and images alone: 0.196).
+    /// Replaces the threshold in the file (CARMEN maps and plain images: 0.196).
     pub free_thresh: Option<f64>,
-    /// Whose loader is followed where Nav2 and ROS 1 differ.
+    /// The loader to follow where Nav2 and ROS 1 differ.
     pub rules: Rules,
-    /// What to do with gray 205 where it would be free.
+    /// How to read gray 205 if the thresholds would make it free.
     pub gray_205: Gray205,
-    /// Where the image that a YAML names may lie.
+    /// Where an image that a YAML file names may lie.
     pub named_files: NamedFiles,
+    /// The topic of a recording's map; `None` where only one has maps.
+    pub topic: Option<String>,
     /// Most cells a map may have. Default 400 million.
     pub max_cells: u64,
 }
@@ -56,6 +59,7 @@ impl Default for ReadOptions {
             rules: Rules::default(),
             gray_205: Gray205::default(),
             named_files: NamedFiles::default(),
+            topic: None,
             max_cells: 400_000_000,
         }
     }
@@ -79,30 +83,30 @@ impl ReadOptions {
     }
 }
 
-/// How a map was read: what the check of it needs to know.
+/// How a map was read, for the check.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Source {
     /// Kind of file.
     pub format: Format,
-    /// What a gray value, or a CARMEN probability (as mode raw), was taken to mean.
+    /// The meaning of gray values, or of CARMEN probabilities (as mode raw).
     pub interpretation: Interpretation,
-    /// What was asked for gray 205.
+    /// The requested reading of gray 205.
     pub gray_205: Gray205,
     /// Number of cells of gray 205 if the map has the signature of the trap, else 0: mode trinary, thresholds
     /// that make 205 free, at least one cell in a hundred of exactly this gray, and more than half of the
     /// cells with a gray between 101 and 249.
     pub gray_205_cells: u64,
-    /// Number of cells that an alpha below 255 made unknown.
+    /// Number of cells that became unknown because of an alpha below 255.
     pub transparent_cells: u64,
-    /// Number of pixels with a gray between those of their neighbors, if so many are that the picture must have been
-    /// smoothed, else 0: see [`super::Finding::Smoothed`].
+    /// Number of pixels with a gray between those of their neighbors, if there are so many that the picture must have
+    /// been smoothed, else 0: see [`super::Finding::Smoothed`].
     pub blended_cells: u64,
-    /// The image that was read in place of the one that the YAML names, which is not there.
+    /// The image that was read instead of a missing one that the YAML file names.
     pub replaced_image: Option<ReplacedImage>,
 }
 
 impl Source {
-    /// A map read as `interpretation` says, in which nothing was noticed.
+    /// A map that was read as `interpretation` says, without remarks.
     pub fn new(format: Format, interpretation: Interpretation) -> Self {
         Self {
             format,
@@ -116,7 +120,7 @@ impl Source {
     }
 }
 
-/// An image that lies beside a YAML, which names one of the same name elsewhere.
+/// An image next to a YAML file that names one of the same name elsewhere.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ReplacedImage {
     /// The path in the YAML.
@@ -140,8 +144,8 @@ pub struct LoadedMap {
     pub files: Vec<PathBuf>,
 }
 
-/// The name of the map at `path`: the file's, without extension; the folder's where the file is just called `map`, as
-/// map savers call it. What cannot be printed of it is a low line.
+/// The name of the map at `path`: that of the file, without extension, or that of its folder if the file is just
+/// called `map`, as map savers call it. Characters that cannot be printed become low lines.
 pub fn map_name(path: &Path) -> String {
     name_below(path, std::path::absolute(path).ok().as_deref())
 }
@@ -154,7 +158,7 @@ fn name_below(path: &Path, whole: Option<&Path>) -> String {
     printable(&name.to_string_lossy())
 }
 
-/// Reads the map at `path`: a map_server YAML by its extension, else a CARMEN map (gzipped or not), a Valetudo map or an
+/// Reads the map at `path`: a map_server YAML or a recording by its extension, else a CARMEN map (gzipped or not), a Valetudo map or an
 /// image by its first bytes. Cost: a few passes over the cells.
 ///
 /// # Errors
@@ -163,8 +167,8 @@ pub fn load_map(path: &Path, options: &ReadOptions) -> Result<LoadedMap, MapErro
     load(path, &OnDisk { options }, options).map_err(|error| error.in_file(path))
 }
 
-/// Reads the map whose first file is `name` from `files`, each a name and its bytes: for programs that have no file
-/// system. The image that a YAML names is looked for by its last part, in whatever folder the YAML says it lies.
+/// Reads the map whose first file is `name` from `files`, each a name and its bytes, for programs without a file
+/// system. The image that a YAML file names is found by the last part of its path.
 ///
 /// # Errors
 /// As [`load_map`], and [`MapError::NotGiven`] if a file that is needed is not among `files`.
@@ -185,6 +189,8 @@ trait Files {
     fn text(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError>;
     /// The bytes of a file with cells.
     fn cells(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError>;
+    /// A file of any size, from its beginning.
+    fn stream(&self, path: &Path) -> Result<Box<dyn Read + '_>, MapError>;
     /// The path of the image that the YAML at `by` calls `name`, and what it is called if that is not its name.
     fn image(&self, by: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError>;
 }
@@ -202,6 +208,10 @@ impl Files for OnDisk<'_> {
         file::read_cells(path, self.options.max_cells).map(Cow::Owned)
     }
 
+    fn stream(&self, path: &Path) -> Result<Box<dyn Read + '_>, MapError> {
+        Ok(Box::new(file::open_stream(path)?))
+    }
+
     fn image(&self, by: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {
         image_of(by, name, self.options)
     }
@@ -213,9 +223,13 @@ struct InMemory<'a> {
 }
 
 impl InMemory<'_> {
-    fn bytes(&self, path: &Path, max_bytes: u64) -> Result<Cow<'_, [u8]>, MapError> {
+    fn given(&self, path: &Path) -> Result<&[u8], MapError> {
         let found = self.files.iter().find(|(name, _)| Path::new(name) == path);
-        let (_, bytes) = found.ok_or_else(|| MapError::NotGiven { name: path.display().to_string() })?;
+        found.map(|(_, bytes)| *bytes).ok_or_else(|| MapError::NotGiven { name: path.display().to_string() })
+    }
+
+    fn bytes(&self, path: &Path, max_bytes: u64) -> Result<Cow<'_, [u8]>, MapError> {
+        let bytes = self.given(path)?;
         if bytes.len() as u64 > max_bytes {
             return Err(MapError::FileTooLarge { max_bytes });
         }
@@ -234,6 +248,10 @@ impl Files for InMemory<'_> {
         self.bytes(path, max_bytes)
     }
 
+    fn stream(&self, path: &Path) -> Result<Box<dyn Read + '_>, MapError> {
+        Ok(Box::new(self.given(path)?))
+    }
+
     fn image(&self, _: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {
         let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
         let is_beside = name.strip_prefix("./").unwrap_or(name) == last;
@@ -243,6 +261,12 @@ impl Files for InMemory<'_> {
 }
 
 fn load(path: &Path, opener: &impl Files, options: &ReadOptions) -> Result<LoadedMap, MapError> {
+    if is_recording(path)? {
+        let recorded = recording::last_grid(&mut opener.stream(path)?, options)?;
+        let (grid, source) = recording::map_of(&recorded, options)?;
+        let hash = hex(Sha256::new_with_prefix(&recorded.cdr));
+        return Ok(LoadedMap { grid, name: map_name(path), source, hash, files: vec![path.to_owned()] });
+    }
     let is_yaml = is_yaml(path);
     let bytes = if is_yaml { opener.text(path)? } else { opener.cells(path)? };
     let mut hash = Sha256::new_with_prefix(&bytes);
@@ -269,11 +293,14 @@ fn load(path: &Path, opener: &impl Files, options: &ReadOptions) -> Result<Loade
         let (cells, source) = read_image(raster, Format::Image, Interpretation::default(), options);
         (OccupancyGrid { frame: MapFrame::new(resolution_m, Pose2::default())?, cells }, source)
     };
-    let hash = hash.finalize().iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"));
-    Ok(LoadedMap { grid, name: map_name(path), source, hash, files })
+    Ok(LoadedMap { grid, name: map_name(path), source, hash: hex(hash), files })
 }
 
-/// The image that the YAML at `path` names. If it is not there, the one of its name beside the YAML, and which that is: maps
+fn hex(hash: Sha256) -> String {
+    hash.finalize().iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
+}
+
+/// The image that the YAML at `path` names. If it is not there, the one of its name next to the YAML, and which that is: maps
 /// are copied from machine to machine, and their YAML files hold the path on the first.
 fn image_of(
     path: &Path,
@@ -298,7 +325,7 @@ fn image_of(
     }
 }
 
-/// Name of the YAML file that lies beside an image and is called like it.
+/// Name of the YAML file next to an image, with the same stem.
 fn yaml_beside(image: &Path) -> Option<String> {
     let yaml =
         ["yaml", "yml"].map(|extension| image.with_extension(extension)).into_iter().find(|p| p.is_file())?;
@@ -358,7 +385,26 @@ fn trap_205(counts: &[u64], gray_of: impl Fn(usize) -> f64, how: &Interpretation
 }
 
 fn is_yaml(path: &Path) -> bool {
-    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("yaml") || e.eq_ignore_ascii_case("yml"))
+    has_extension(path, "yaml") || has_extension(path, "yml")
+}
+
+/// Whether `path` is that of a recording.
+///
+/// # Errors
+/// If it is one of a kind that is not read.
+fn is_recording(path: &Path) -> Result<bool, MapError> {
+    let (found, command) = if has_extension(path, "db3") {
+        ("a bag of SQLite (.db3)", "ros2 bag convert")
+    } else if has_extension(path, "bag") {
+        ("a bag of ROS 1 (.bag)", "mcap convert in.bag out.mcap")
+    } else {
+        return Ok(has_extension(path, "mcap"));
+    };
+    Err(MapError::RecordingFormat { found, command })
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
 #[cfg(test)]
@@ -392,7 +438,7 @@ mod tests {
         let options = ReadOptions::default();
         assert!(load_map_from("map.yaml", &[("map.yaml", YAML), ("map.pgm", IMAGE)], &options).is_ok());
         let error = load_map_from("map.yaml", &[("map.yaml", YAML)], &options).unwrap_err();
-        assert!(error.to_string().contains("expected the file map.pgm beside this one"), "{error}");
+        assert!(error.to_string().contains("the file map.pgm, which this one names, is missing"), "{error}");
     }
 
     #[test]

@@ -1,8 +1,8 @@
-//! Files to types: map_server YAML, images, CARMEN and Valetudo maps, label images; and the check of a map that was read.
+//! Files to types: map_server YAML, images, CARMEN and Valetudo maps, recordings, label images; and the check of a map.
 //!
 //! The parsers take bytes and give types: [`ros::parse_yaml`], [`image::decode`], [`carmen::parse`], [`valetudo::parse`],
-//! [`read_labels`], [`read_rooms`], [`TrainingFile::from_toml`]. Only [`load_map`], [`read`] and [`read_cells`]
-//! open files; [`load_map_from`] takes their bytes. All of
+//! [`read_label_file`], [`read_labels`], [`read_rooms`], [`TrainingFile::from_toml`]; [`recording::grids`] takes a stream. Only [`load_map`], [`load_labels`], [`read`],
+//! [`read_cells`] and [`open_stream`] open files; [`load_map_from`] takes their bytes. All of
 //! them are for hostile input: sizes are checked from the header before memory is taken, numbers are checked to be
 //! finite, a path in a file is not followed out of its folder, and whatever is wrong is a typed error, never a
 //! panic (`docs/reliability.md`).
@@ -12,25 +12,32 @@
 
 pub mod carmen;
 mod check;
+mod class_table;
 mod error;
 mod file;
 mod finding;
 pub mod image;
 mod labels;
 mod load;
+pub mod recording;
 pub mod ros;
 mod shape;
 mod smoothing;
 mod training_file;
 pub mod valetudo;
 
+pub use crate::labels::LabelCell;
 pub use check::{MapCheck, Shares, check};
+pub use class_table::read_classes;
 pub use error::MapError;
 #[doc(hidden)]
 pub use error::has_memory;
-pub use file::{MAX_TEXT_BYTES, NamedFiles, named_file, namesake, read, read_cells};
+pub use file::{MAX_TEXT_BYTES, NamedFiles, named_file, namesake, open_stream, read, read_cells};
 pub use finding::{Finding, Severity};
-pub use labels::{LabelCell, LabelCoding, LabelImageError, image_size, read_labels, read_rooms};
+pub use labels::{
+    LabelCoding, LabelFileError, LabelImageError, LabelTarget, LabelsYaml, image_size, load_labels,
+    read_label_file, read_labels, read_rooms,
+};
 pub use load::{
     Gray205, LoadedMap, ReadOptions, ReplacedImage, Source, load_map, load_map_from, map_name, read_image,
 };
@@ -52,11 +59,38 @@ pub enum Format {
     Carmen,
     /// A map of a robot vacuum, as the JSON of Valetudo.
     Valetudo,
+    /// A recording of ROS 2, as MCAP.
+    Recording,
+}
+
+impl Format {
+    /// All kinds.
+    pub const ALL: [Self; 5] = [Self::MapServer, Self::Image, Self::Carmen, Self::Valetudo, Self::Recording];
+
+    /// What people call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::MapServer => "map_server YAML",
+            Self::Image => "image",
+            Self::Carmen => "CARMEN map",
+            Self::Valetudo => "Valetudo JSON",
+            Self::Recording => "recording (MCAP)",
+        }
+    }
+
+    /// Whether thresholds decide which of its values are free and which are occupied.
+    pub fn has_thresholds(self) -> bool {
+        self != Self::Valetudo
+    }
 }
 
 /// A kind of map file that holds a whole map.
 struct Reader {
-    /// Whether a file that begins so is of this kind.
+    /// Endings of the names of such files, in lower case.
+    extensions: &'static [&'static str],
+    /// Whether a file with such a name that begins so is of this kind, and not of another program.
+    is_certain: fn(&[u8]) -> bool,
+    /// Whether a file that begins so is of this kind, whatever its name.
     is_known: fn(&[u8]) -> bool,
     /// Most bytes of a file with at most this many cells.
     max_bytes: fn(u64) -> u64,
@@ -69,6 +103,16 @@ type ReadMap = fn(&[u8], &ReadOptions) -> Result<(OccupancyGrid, Source), MapErr
 
 /// All of them. What none of them knows is an image.
 const READERS: &[Reader] = &[carmen::READER, valetudo::READER];
+
+/// Whether a file with this extension, in lower case, can hold a whole map.
+pub fn may_hold_map(extension: &str) -> bool {
+    READERS.iter().any(|reader| reader.extensions.contains(&extension))
+}
+
+/// Whether a file with this extension, in lower case, that begins with `head` holds a whole map.
+pub fn holds_map(extension: &str, head: &[u8]) -> bool {
+    READERS.iter().any(|reader| reader.extensions.contains(&extension) && (reader.is_certain)(head))
+}
 
 /// The kind of file that begins with `head`.
 fn reader_of(head: &[u8]) -> Option<&'static Reader> {

@@ -1,4 +1,4 @@
-//! map_server YAML files and what they make of gray values (Nav2 and ROS 1).
+//! map_server YAML files, and the meaning of gray values in them (Nav2 and ROS 1).
 //!
 //! [`cell_value`] is the value that map_server publishes, −1 or 0..=100; [`occupancy`] makes the three states
 //! of it. With the rules of [`Rules::Jazzy`] the values are those of nav2_map_server's `map_io`, bit for bit, for
@@ -24,7 +24,7 @@ pub enum Mode {
     Raw,
 }
 
-/// Whose loader is followed where they differ.
+/// The loader to follow where loaders differ.
 ///
 /// | | thresholds | colors | a pixel that is not opaque |
 /// |---|---|---|---|
@@ -43,7 +43,7 @@ pub enum Rules {
     Ros1,
 }
 
-/// The keys of a map_server YAML that say what a gray value means.
+/// The keys of a map_server YAML that give gray values their meaning.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Interpretation {
     /// How gray values become occupancy values.
@@ -54,7 +54,7 @@ pub struct Interpretation {
     pub occupied_thresh: f64,
     /// Free up to this probability.
     pub free_thresh: f64,
-    /// Whose loader is followed.
+    /// The loader to follow.
     pub rules: Rules,
 }
 
@@ -72,8 +72,8 @@ impl Default for Interpretation {
 }
 
 impl Interpretation {
-    /// Checks that the thresholds leave room between free and occupied and lie in 0..=1. No saver writes others, and what
-    /// loaders make of them differs from release to release.
+    /// Checks that the thresholds are in 0..=1 and leave room between free and occupied. Map savers write no others,
+    /// and releases of map_server read them differently.
     ///
     /// # Errors
     /// If they do not.
@@ -98,7 +98,7 @@ pub struct MapYaml {
     pub interpretation: Interpretation,
 }
 
-/// The file's keys; others, such as `cost_translation_table`, are passed over.
+/// The file's keys; others, such as `cost_translation_table`, are ignored.
 #[derive(Deserialize)]
 struct Keys {
     image: String,
@@ -150,7 +150,7 @@ pub fn parse_yaml(bytes: &[u8]) -> Result<MapYaml, MapError> {
     Ok(MapYaml { image: keys.image, frame, interpretation })
 }
 
-fn yaml_error(error: &serde_saphyr::Error) -> MapError {
+pub(super) fn yaml_error(error: &serde_saphyr::Error) -> MapError {
     use serde_saphyr::{DefaultMessageFormatter, Error, MessageFormatter};
     let location = error.location();
     // A picture of the source follows the message.
@@ -250,7 +250,7 @@ fn ros1_value(gray: f64, alpha: u8, how: &Interpretation) -> i8 {
     }
 }
 
-/// The state that an occupancy value stands for.
+/// The state of a cell with this occupancy value.
 ///
 /// In modes trinary and scale the file's thresholds have spoken: 0 is free, 100 is occupied, what lies between
 /// them is as unknown as −1. In mode raw the value is a probability in per cent, and the thresholds, which
@@ -278,7 +278,7 @@ pub(super) fn probability_occupancy(p: f64, how: &Interpretation) -> Occupancy {
     }
 }
 
-/// Brightness of every pixel, as the loader whose rules are followed measures it.
+/// Brightness of every pixel, measured as the loader does.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Brightness {
     /// Per cell: sum of the channels that count, over `divisor`, and the pixel's alpha.

@@ -1,4 +1,4 @@
-//! How wide the areas of a map are: what the check measures.
+//! Widths of the areas of a map, for the check.
 
 use crate::grid::{Grid, Occupancy};
 
@@ -32,7 +32,7 @@ impl Framed {
 }
 
 /// Distance of every cell of state `of` to the nearest cell of another state or outside the map, in cells
-/// (`max(|dx|, |dy|)`, so a cell beside a wall has 1); 0 for the other cells. Cost: two passes.
+/// (`max(|dx|, |dy|)`, so a cell next to a wall has 1); 0 for the other cells. Cost: two passes.
 pub(super) fn clearance_cells(cells: &Grid<Occupancy>, of: Occupancy) -> Grid<u16> {
     let framed = Framed::new(cells, of);
     let steps = framed.steps();

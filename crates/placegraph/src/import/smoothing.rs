@@ -6,14 +6,14 @@ use crate::grid::Grid;
 const MIN_GRAYS: usize = 64;
 /// Areas of a smoothed picture are flat: the three commonest grays are those of most pixels.
 const MIN_FLAT: f64 = 0.6;
-/// Of the other pixels, more than this part lies between its neighbors and beside a flat area: 0.39 to 0.84 in the ten public
-/// maps with halos that were looked at. Occupancy that a sensor counted, 0.35 to 0.95, cannot be told from them, which is why
+/// Of the other pixels, more than this part lies between its neighbors and next to a flat area: 0.39 to 0.84 in the ten public
+/// maps with halos that were looked at. Occupancy that a sensor counted, 0.35 to 0.95, cannot be distinguished from them, which is why
 /// this is a note, and why in mode raw, where every gray is meant, nothing is said.
 const MIN_BLENDED: f64 = 1.0 / 3.0;
 /// Fewer than this part of all pixels are not worth a line.
 const MIN_SHARE: f64 = 0.005;
 
-/// Number of pixels with a gray between those of their neighbors, if there are so many beside so few flat grays that the
+/// Number of pixels with a gray between those of their neighbors, if there are so many, and so few flat grays, that the
 /// picture must have been smoothed, else 0. `cells` holds the brightness and alpha of pixels, `counts` how many have which
 /// brightness. Cost: a pass, and only for pictures of many grays.
 pub(super) fn blended_cells(cells: &Grid<(u16, u8)>, counts: &[u64]) -> u64 {

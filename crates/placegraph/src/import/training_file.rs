@@ -1,10 +1,11 @@
-//! The training file: which maps, which labels, which classes.
+//! The training file: maps, labels and classes.
 //!
 //! ```toml
 //! [[map]]
 //! map = "office.yaml"
 //! labels = "office.labels.png"
 //! crop = [0, 0, 350, 300]   # pixels, y down, upper bounds exclusive
+//! building = "office"       # optional: maps of one building are held out together
 //!
 //! [classes]                 # optional; the default is corridor, room, doorway with values 1, 2, 3
 //! hall = { value = 115, role = "passage" }
@@ -14,8 +15,9 @@
 
 use serde::Deserialize;
 
-use super::{LabelCell, LabelCoding};
-use crate::labels::{Class, LabelSet, LabelSetError, Role};
+use super::LabelCoding;
+use super::class_table::classes_and_coding;
+use crate::labels::{LabelSet, LabelSetError};
 use crate::syntax::{SyntaxError, from_toml};
 
 /// A training file that was read.
@@ -25,7 +27,7 @@ pub struct TrainingFile {
     pub maps: Vec<TrainingMap>,
     /// The classes, in the order written.
     pub classes: LabelSet,
-    /// Which pixels of label images mean which class.
+    /// The meaning of the pixels of label images.
     pub coding: LabelCoding,
 }
 
@@ -39,6 +41,8 @@ pub struct TrainingMap {
     pub labels: String,
     /// The pixels to train on: x0, y0, x1, y1, y down, upper bounds exclusive.
     pub crop: Option<[u32; 4]>,
+    /// The building, where several maps show it: they are held out together.
+    pub building: Option<String>,
 }
 
 /// Why a training file cannot be used.
@@ -54,28 +58,33 @@ pub enum TrainingFileError {
     /// It names no map.
     #[error("expected at least one [[map]] table, found none")]
     NoMap,
+    /// It has no classes where these are asked for.
+    #[error(
+        "expected a table [classes] with lines such as kitchen = {{ value = 4, role = \"place\" }}, found none"
+    )]
+    NoClasses,
     /// A class is not written as it should be.
     #[error("in class {name:?} of [classes]: {error}")]
     Class {
         /// Name of the class.
         name: String,
-        /// What the TOML reader found.
-        error: SyntaxError,
+        /// What is wrong.
+        error: String,
     },
-    /// A class has both ways to paint it.
+    /// A class has both a gray value and a color.
     #[error("class {name:?}: expected a gray value or a color, found both")]
     ValueAndColor {
         /// Name of the class.
         name: String,
     },
-    /// A class has a value that means something else.
+    /// A class has a value with another meaning.
     #[error("class {name:?}: expected a gray value of 1 to 254 (0 is no label, 255 is ignored)")]
     Reserved {
         /// Name of the class.
         name: String,
     },
-    /// Two classes are painted alike.
-    #[error("expected a value of its own for each class, found one for {first:?} and {second:?}")]
+    /// Two classes have the same value or color.
+    #[error("the classes {first:?} and {second:?} have the same value: give each class its own")]
     SamePaint {
         /// Name of one class.
         first: String,
@@ -95,29 +104,8 @@ struct Tables {
     classes: toml::Table,
 }
 
-/// How a class of one's own is written.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, expecting = "a class such as { value = 1, role = \"place\" }")]
-struct ClassEntry {
-    role: Role,
-    value: Option<u8>,
-    color: Option<[u8; 3]>,
-}
-
-/// Colors in pictures for classes that are written by gray value.
-const PALETTE: [[u8; 3]; LabelSet::MAX] = [
-    [86, 156, 214],
-    [244, 200, 120],
-    [206, 68, 84],
-    [120, 178, 120],
-    [160, 130, 200],
-    [230, 150, 80],
-    [110, 190, 190],
-    [200, 140, 170],
-];
-
 impl TrainingFile {
-    /// Reads a file's text.
+    /// Parses the text of a training file.
     ///
     /// # Errors
     /// If it is no TOML, has an unknown key, names no map, or its classes contradict each other.
@@ -127,54 +115,15 @@ impl TrainingFile {
         if maps.is_empty() {
             return Err(TrainingFileError::NoMap);
         }
-        if classes.is_empty() {
-            let classes = LabelSet::default();
-            let coding = LabelCoding::of(&classes);
-            return Ok(Self { maps, classes, coding });
-        }
-        let (classes, paints) = own_classes(classes)?;
-        let mut entries = vec![([0; 3], LabelCell::None), ([255; 3], LabelCell::Ignore)];
-        entries.extend(classes.labels().zip(&paints).map(|(label, &pixel)| (pixel, LabelCell::Class(label))));
-        Ok(Self { maps, classes, coding: LabelCoding::new(entries) })
+        let (classes, coding) = classes_and_coding(classes)?;
+        Ok(Self { maps, classes, coding })
     }
-}
-
-/// The classes in the order written, and the pixel of each in label images.
-fn own_classes(table: toml::Table) -> Result<(LabelSet, Vec<[u8; 3]>), TrainingFileError> {
-    let mut classes: Vec<Class> = Vec::new();
-    let mut paints: Vec<[u8; 3]> = Vec::new();
-    for (index, (name, entry)) in table.into_iter().enumerate() {
-        let entry: ClassEntry = match entry.try_into() {
-            Ok(entry) => entry,
-            Err(error) => {
-                return Err(TrainingFileError::Class { name, error: SyntaxError::of_toml(&error, "") });
-            }
-        };
-        let paint = match (entry.value, entry.color) {
-            // Beyond the last class that a label set may have, the number does not matter.
-            (None, None) => [u8::try_from(index + 1).unwrap_or(u8::MAX); 3],
-            (Some(value), None) => [value; 3],
-            (None, Some(color)) => color,
-            (Some(_), Some(_)) => return Err(TrainingFileError::ValueAndColor { name }),
-        };
-        if paint == [0; 3] || paint == [255; 3] {
-            return Err(TrainingFileError::Reserved { name });
-        }
-        if let Some(earlier) = paints.iter().position(|&other| other == paint) {
-            let first = classes[earlier].name.clone();
-            return Err(TrainingFileError::SamePaint { first, second: name });
-        }
-        let color = entry.color.unwrap_or(PALETTE[index % PALETTE.len()]);
-        classes.push(Class { name, role: entry.role, color });
-        paints.push(paint);
-    }
-    Ok((LabelSet::new(classes)?, paints))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::labels::Label;
+    use crate::labels::{Label, LabelCell};
 
     const MAP: &str = "[[map]]\nmap = 'a.yaml'\nlabels = 'a.png'\n";
 
@@ -192,9 +141,11 @@ mod tests {
         let names: Vec<_> = file.classes.classes().iter().map(|class| class.name.as_str()).collect();
         assert_eq!(names, ["zoo", "hall", "door"]);
         let paints = [[1; 3], [115; 3], [1, 2, 3]];
-        let mut entries = vec![([0; 3], LabelCell::None), ([255; 3], LabelCell::Ignore)];
-        entries.extend(paints.into_iter().zip(0..).map(|(p, k)| (p, LabelCell::Class(Label(k)))));
-        assert_eq!(file.coding, LabelCoding::new(entries));
+        for (paint, k) in paints.into_iter().zip(0..) {
+            assert_eq!(file.coding.meaning(paint), Some(LabelCell::Class(Label(k))));
+        }
+        assert_eq!(file.coding.meaning([0; 3]), Some(LabelCell::None));
+        assert_eq!(file.coding.meaning([255; 3]), Some(LabelCell::Ignore));
     }
 
     #[test]

@@ -26,9 +26,9 @@ const MAX_PIXELS_PER_CELL: u64 = 8;
 pub struct ValetudoMap {
     /// Resolution, and where the grid lies.
     pub frame: MapFrame,
-    /// Free floor, walls, and what is neither.
+    /// Free floor, walls, and everything else.
     pub cells: Grid<Occupancy>,
-    /// Number of the segment of each cell, 0 in none; the segments that people see as rooms in the vacuum's own program.
+    /// Number of the segment of each cell, 0 for none; segments are the rooms in the vacuum's app.
     pub segments: Grid<u16>,
     /// Names that people gave segments, by their numbers.
     pub names: BTreeMap<u16, String>,
@@ -103,7 +103,13 @@ impl Layer {
 }
 
 /// How map files of this kind are read.
-pub(super) const READER: Reader = Reader { is_known: is_json, max_bytes: |_| MAX_BYTES, read };
+pub(super) const READER: Reader = Reader {
+    extensions: &["json"],
+    is_certain: |head| String::from_utf8_lossy(head).contains("ValetudoMap"),
+    is_known: is_json,
+    max_bytes: |_| MAX_BYTES,
+    read,
+};
 
 fn read(bytes: &[u8], options: &ReadOptions) -> Result<(OccupancyGrid, Source), MapError> {
     let map = parse(bytes, options.max_cells)?;

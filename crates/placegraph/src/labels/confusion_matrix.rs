@@ -1,10 +1,10 @@
-//! How often which label was found as which.
+//! Counts of true and found labels.
 
 use serde::Serialize;
 
 use super::Label;
 
-/// How often each true label was found as which, and the rates that follow; `None` where a rate would be 0/0.
+/// Counts of each pair of true and found label, and the rates that follow; `None` if a rate would be 0/0.
 ///
 /// # Examples
 /// ```
@@ -17,18 +17,18 @@ use super::Label;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct ConfusionMatrix {
-    /// Counts by true label (row) and found label (column). The last column counts what no label was found for; it is
-    /// wrong.
+    /// Counts by true label (row) and found label (column). The last column counts cells for which no label was
+    /// found; these are wrong.
     pub counts: Vec<Vec<u64>>,
 }
 
 impl ConfusionMatrix {
-    /// No counts yet, for `n_labels` labels.
+    /// An empty matrix for `n_labels` labels.
     pub fn new(n_labels: usize) -> Self {
         Self { counts: vec![vec![0; n_labels + 1]; n_labels] }
     }
 
-    /// The counts of `labels` and the labels `found` in their places.
+    /// Counts `labels` against the labels `found` at the same positions.
     ///
     /// # Panics
     /// If a label is not below `n_labels`.
@@ -40,7 +40,7 @@ impl ConfusionMatrix {
         confusion
     }
 
-    /// Counts one more.
+    /// Counts one more pair.
     ///
     /// # Panics
     /// If a label is not one of those counted.
@@ -49,7 +49,7 @@ impl ConfusionMatrix {
         self.counts[label.index()][column] += 1;
     }
 
-    /// Adds other counts of the same labels.
+    /// Adds another matrix of the same labels.
     ///
     /// # Panics
     /// If the number of labels differs.
@@ -60,37 +60,37 @@ impl ConfusionMatrix {
         }
     }
 
-    /// All counts.
+    /// Number of all counts.
     pub fn total(&self) -> u64 {
         self.counts.iter().flatten().sum()
     }
 
-    /// Those that were found right.
+    /// Number of correct ones.
     pub fn n_correct(&self) -> u64 {
         (0..self.counts.len()).map(|k| self.counts[k][k]).sum()
     }
 
-    /// Those that truly have `label`.
+    /// Number of those that truly have `label`.
     pub fn n_true(&self, label: Label) -> u64 {
         self.counts[label.index()].iter().sum()
     }
 
-    /// Those that were found as `label`.
+    /// Number of those that were found as `label`.
     pub fn n_found(&self, label: Label) -> u64 {
         self.counts.iter().map(|row| row[label.index()]).sum()
     }
 
-    /// The correct ones among all.
+    /// Accuracy: the share of correct ones.
     pub fn accuracy(&self) -> Option<f64> {
         ratio(self.n_correct(), self.total())
     }
 
-    /// The correct ones among those found as `label`.
+    /// Precision: the share of correct ones among those found as `label`.
     pub fn precision(&self, label: Label) -> Option<f64> {
         ratio(self.hits(label), self.n_found(label))
     }
 
-    /// The correct ones among those that truly have `label`.
+    /// Recall: the share of correct ones among those that truly have `label`.
     pub fn recall(&self, label: Label) -> Option<f64> {
         ratio(self.hits(label), self.n_true(label))
     }
@@ -105,7 +105,7 @@ impl ConfusionMatrix {
         ratio(self.hits(label), self.n_true(label) + self.n_found(label) - self.hits(label))
     }
 
-    /// Mean F1 of the labels that occur as true or as found; the others are left out.
+    /// Mean F1 of the labels that occur, as true or as found.
     pub fn macro_f1(&self) -> Option<f64> {
         let f1: Vec<f64> = (0..self.counts.len()).filter_map(|k| self.f1(Label(k as u8))).collect();
         (!f1.is_empty()).then(|| f1.iter().sum::<f64>() / f1.len() as f64)

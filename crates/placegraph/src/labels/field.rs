@@ -14,10 +14,10 @@ pub struct LabelField {
 }
 
 impl LabelField {
-    /// Rows sum to 1 within this.
+    /// Tolerance of the sum of a row, which is 1.
     pub const SUM_TOLERANCE: f32 = 1e-6 * 4.0;
 
-    /// Takes `values`, `n_labels` a node.
+    /// Makes a field from `values`, `n_labels` per node.
     ///
     /// # Panics
     /// If the length is no multiple of `n_labels`; in debug builds also if a row is no distribution.

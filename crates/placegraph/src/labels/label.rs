@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::text::is_printable;
 
-/// What a class is for; only roles enter the heuristics of Sect. 4.7.
+/// The role of a class; only roles enter the heuristics of Sect. 4.7.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
@@ -22,13 +22,13 @@ pub enum Role {
 pub struct Class {
     /// Name, unique in its set.
     pub name: String,
-    /// What the class is for.
+    /// Role of the class.
     pub role: Role,
     /// Color in pictures: red, green, blue.
     pub color: [u8; 3],
 }
 
-/// Index of a class in its [`LabelSet`]. A label image stores `index + 1`; 0 is no label.
+/// Index of a class in its [`LabelSet`]. A label image stores `index + 1`, and 0 for cells without a label.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Label(pub u8);
@@ -40,10 +40,35 @@ impl Label {
     }
 }
 
+/// What people say of a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LabelCell {
+    /// Nothing: no class was drawn here.
+    #[default]
+    None,
+    /// The class drawn.
+    Class(Label),
+    /// Ignored in training and scores: free, but ambiguous.
+    Ignore,
+}
+
+impl LabelCell {
+    /// The class to learn from or to compare with, if there is one.
+    pub const fn class(self) -> Option<Label> {
+        match self {
+            Self::Class(label) => Some(label),
+            Self::None | Self::Ignore => None,
+        }
+    }
+}
+
 /// One label per node of a [`crate::grid::CellGraph`].
 pub type Labeling = Vec<Label>;
 
-/// The ordered classes that a model knows: 2 to 8, with unique names.
+/// The labels that nodes had in an earlier result which is held on to, `None` where it had none; or no such result.
+pub type Held<'a> = Option<&'a [Option<Label>]>;
+
+/// The classes of a model, in order: 2 to 8, with unique names.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<Class>", into = "Vec<Class>")]
 pub struct LabelSet {
@@ -62,7 +87,7 @@ pub enum LabelSetError {
     },
     /// A name is empty, too long, given twice, or cannot be printed.
     #[error(
-        "expected a name of its own for every class, of 1 to {} printable characters, found {name:?}",
+        "expected a different name for every class, of 1 to {} printable characters, found {name:?}",
         LabelSet::MAX_NAME
     )]
     Name {
@@ -76,10 +101,10 @@ impl LabelSet {
     pub const MIN: usize = 2;
     /// Largest number of classes.
     pub const MAX: usize = 8;
-    /// Most characters of a class's name.
+    /// Largest number of characters of a class name.
     pub const MAX_NAME: usize = 100;
 
-    /// The set of `classes` in this order.
+    /// A set of `classes` in this order.
     ///
     /// # Errors
     /// If there are fewer than 2 or more than 8, or a name is empty, too long, not unique, or has characters that are

@@ -7,4 +7,4 @@ mod label;
 pub use confusion_matrix::ConfusionMatrix;
 pub(crate) use confusion_matrix::ratio;
 pub use field::LabelField;
-pub use label::{Class, Label, LabelSet, LabelSetError, Labeling, Role};
+pub use label::{Class, Held, Label, LabelCell, LabelSet, LabelSetError, Labeling, Role};

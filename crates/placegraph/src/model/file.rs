@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{BoostedModel, Method, Model, NetworkModel, TrainingRecord, sha256_hex};
 use crate::amn::IamnModel;
 use crate::boost::{DecisionList, DecisionStump, Polarity, StrongClassifier, WeightedStump};
+use crate::doorways::figure_table;
 use crate::features::FeatureId;
 use crate::labels::{Label, LabelSet};
 use crate::regions::Thresholds;
@@ -12,9 +13,9 @@ use crate::relax::{Compatibility, RelaxConfig};
 use crate::scan::ScanConfig;
 use crate::syntax::SyntaxError;
 
-/// The format's name, first in the file.
+/// The name of the format, first in the file.
 pub const FORMAT: &str = "placegraph-model";
-/// The format's version that this program writes, and the only one it reads.
+/// The version of the format that this program writes, and the only one that it reads.
 pub const VERSION: u32 = 1;
 /// Largest file that is read, in bytes.
 pub const MAX_BYTES: usize = 64 << 20;
@@ -23,7 +24,7 @@ const MAX_ALPHA: f64 = 1e6;
 /// Largest number of relaxation iterations that a model may ask for.
 const MAX_ITERATIONS: u32 = 100_000;
 
-/// Why bytes are no model that this program can use.
+/// Why bytes are not a model that this program can use.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ModelError {
@@ -34,7 +35,7 @@ pub enum ModelError {
         found: usize,
     },
     /// No JSON, or not the fields of a model.
-    #[error("expected a placegraph model, found {source}")]
+    #[error("this is not a placegraph model: {source}")]
     Json {
         /// What is wrong, with line and column.
         source: SyntaxError,
@@ -52,13 +53,13 @@ pub enum ModelError {
         found: u64,
     },
     /// A feature that this program cannot compute.
-    #[error("expected a feature of this version's registry, found {name:?}")]
+    #[error("the model uses the feature {name:?}, which this version of placegraph does not have")]
     Feature {
         /// Its name.
         name: String,
     },
     /// A class that the label set lacks.
-    #[error("expected the name of a class in the list's order, found {name:?}")]
+    #[error("the order of the decision list names {name:?}, which is not a class of the model")]
     Class {
         /// The name found.
         name: String,
@@ -73,8 +74,8 @@ pub enum ModelError {
         /// How many there are.
         found: usize,
     },
-    /// A name or class twice where each may stand once.
-    #[error("expected every one of the {of} once, found {name:?} twice")]
+    /// A name or class occurs twice in a list that may have it once.
+    #[error("expected each of the {of} once, found {name:?} twice")]
     Twice {
         /// What is listed.
         of: &'static str,
@@ -93,7 +94,7 @@ pub enum ModelError {
     },
 }
 
-/// The fields that tell whether the rest can be read.
+/// The fields that decide whether the rest can be read.
 #[derive(Deserialize)]
 struct Header {
     format: String,
@@ -108,6 +109,9 @@ struct ModelFile {
     label_set: LabelSet,
     scan: ScanConfig,
     method: MethodFile,
+    /// Figure, threshold, polarity, alpha.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    doorways: Vec<(String, f32, i8, f64)>,
     thresholds: Thresholds,
     record: TrainingRecord,
 }
@@ -140,7 +144,7 @@ struct ListFile {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct BoostedFile {
-    /// The list's fields stand beside the others; serde cannot flatten them and refuse unknown ones too.
+    /// The fields of the list are on one level with the others: serde cannot both flatten them and refuse unknown ones.
     order: Vec<String>,
     temperature: f64,
     features: Vec<String>,
@@ -174,11 +178,12 @@ impl Model {
             MethodFile::Boosted(boosted) => Method::Boosted(boosted.into_model(&file.label_set)?),
             MethodFile::Iamn(network) => Method::Iamn(network.into_model(&file.label_set)?),
         };
+        let doorways = file.doorways.into_iter().map(read_gate_stump).collect::<Result<_, _>>()?;
         let (label_set, scan) = (file.label_set, file.scan);
-        Ok(Self { label_set, scan, method, thresholds: file.thresholds, record: file.record })
+        Ok(Self { label_set, scan, method, doorways, thresholds: file.thresholds, record: file.record })
     }
 
-    /// The model as bytes of a file: the same model gives the same bytes.
+    /// The model as bytes of a file; equal models give equal bytes.
     ///
     /// # Panics
     /// If a feature is not in the registry.
@@ -197,6 +202,7 @@ impl Model {
             label_set: self.label_set.clone(),
             scan: self.scan,
             method,
+            doorways: self.doorways.iter().map(gate_stump).collect(),
             thresholds: self.thresholds,
             record: self.record.clone(),
         };
@@ -205,7 +211,7 @@ impl Model {
         bytes
     }
 
-    /// SHA-256 of the model's file, in hexadecimal: results name the model by it.
+    /// SHA-256 of the model file, in hexadecimal, by which results name the model.
     pub fn hash(&self) -> String {
         sha256_hex(&self.to_json())
     }
@@ -278,6 +284,20 @@ impl ListFile {
         let classifiers = self.classifiers.iter().map(classifier).collect::<Result<_, ModelError>>()?;
         Ok(DecisionList { order, classifiers, temperature: self.temperature })
     }
+}
+
+/// A stump over the figures of gates, by name.
+fn gate_stump(w: &WeightedStump) -> (String, f32, i8, f64) {
+    let name = figure_table().get(w.stump.feature.0 as usize).map_or("", |(name, _)| name).to_owned();
+    (name, w.stump.threshold, if w.stump.polarity == Polarity::Below { 1 } else { -1 }, w.alpha)
+}
+
+fn read_gate_stump(
+    (name, threshold, polarity, alpha): (String, f32, i8, f64),
+) -> Result<WeightedStump, ModelError> {
+    let position = figure_table().iter().position(|(known, _)| *known == name);
+    let figure = position.ok_or(ModelError::Feature { name })? as u16;
+    read_stump((0, threshold, polarity, alpha), &[FeatureId(figure)])
 }
 
 fn read_stump(stump: (u32, f32, i8, f64), features: &[FeatureId]) -> Result<WeightedStump, ModelError> {

@@ -1,4 +1,4 @@
-//! The fingerprint of bytes.
+//! Hashes of bytes.
 
 use std::fmt::Write as _;
 

@@ -7,7 +7,7 @@ mod hash;
 mod network;
 mod record;
 
-use crate::boost::DecisionList;
+use crate::boost::{DecisionList, WeightedStump};
 use crate::labels::LabelSet;
 use crate::regions::Thresholds;
 use crate::relax::{Compatibility, RelaxConfig};
@@ -20,15 +20,18 @@ pub use record::{
     ChoiceRecord, MapRecord, NetworkRecord, OrderRecord, TrainingRecord, TrainingSettings, ValidationRecord,
 };
 
-/// All that labeling a map needs to know.
+/// Everything that is needed to label a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
     /// The classes.
     pub label_set: LabelSet,
-    /// The scan whose features the model knows.
+    /// The scan that the model's features are computed from.
     pub scan: ScanConfig,
     /// How cells are labeled.
     pub method: Method,
+    /// What painted doorways added to what the program knows of gates: stumps over their figures
+    /// ([`heed_doorways`](crate::training::heed_doorways)).
+    pub doorways: Vec<WeightedStump>,
     /// When a region is too small for its class.
     pub thresholds: Thresholds,
     /// Where the model comes from.

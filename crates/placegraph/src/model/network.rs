@@ -1,4 +1,4 @@
-//! An instance-based network together with the classifier whose scores its nodes see.
+//! An instance-based network, together with the classifier whose scores its nodes use.
 
 use crate::amn::{self, IamnModel};
 use crate::boost::{CompiledClassifiers, DecisionList, P_FLOOR, Scores, confidence, table_scores};
@@ -13,8 +13,8 @@ const CHUNK: usize = 1 << 15;
 /// An instance-based network, alone as in the chapter or on top of a decision list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NetworkModel {
-    /// The list whose [`log_confidences`] are node features besides the distances; without it the network is the
-    /// chapter's. Its order is of no account.
+    /// The list whose [`log_confidences`] are node features in addition to the distances; without it, the network is
+    /// the chapter's. Its order is ignored.
     pub list: Option<DecisionList>,
     /// The network.
     pub network: IamnModel,

@@ -1,4 +1,4 @@
-//! Where a model comes from. Nothing but people reads it, except for the resolution.
+//! Where a model comes from, for people; programs use only the resolution.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,16 +14,16 @@ pub struct TrainingRecord {
     pub resolution_m: f64,
     /// Share of the training examples that the list labels wrongly.
     pub training_error: f64,
-    /// What held-out examples said; absent if no part of the maps could be held out.
+    /// Results on held-out examples; absent if no part of the maps could be held out.
     pub validation: Option<ValidationRecord>,
-    /// What held-out blocks said of the network; absent for other methods.
+    /// Results of the network on held-out blocks; absent for other methods.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub network: Option<NetworkRecord>,
     /// The settings of training.
     pub settings: TrainingSettings,
 }
 
-/// The settings of training: a JSON value that nothing but people reads.
+/// The settings of training, as a JSON value for people.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct TrainingSettings(pub(crate) serde_json::Value);
@@ -39,7 +39,7 @@ impl TrainingSettings {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MapRecord {
-    /// Name, as the caller gave it.
+    /// Name, as given by the caller.
     pub name: String,
     /// SHA-256 of the map's cells and labels, in hexadecimal.
     pub sha256: String,
@@ -49,7 +49,7 @@ pub struct MapRecord {
     pub cells_per_class: Vec<u64>,
 }
 
-/// What held-out examples said.
+/// Results on held-out examples.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ValidationRecord {
@@ -61,11 +61,11 @@ pub struct ValidationRecord {
     pub temperature: f64,
     /// Mean of −ln p(true class) under the list.
     pub log_loss: f64,
-    /// The orders by falling accuracy; of more than four classes the best 24.
+    /// The orders by falling accuracy; for more than four classes, the best 24.
     pub orders: Vec<OrderRecord>,
 }
 
-/// What held-out blocks said of a network.
+/// Results of a network on held-out blocks.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NetworkRecord {
@@ -73,11 +73,11 @@ pub struct NetworkRecord {
     pub n_neighbors: usize,
     /// Cost of the slack, C.
     pub cost: f64,
-    /// All choices of both that were tried.
+    /// All pairs of M and C that were tried.
     pub choices: Vec<ChoiceRecord>,
 }
 
-/// How well one choice of M and C did.
+/// The accuracy of one pair of M and C.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChoiceRecord {
@@ -91,11 +91,11 @@ pub struct ChoiceRecord {
     pub macro_f1: f64,
 }
 
-/// How well one order of the decision list did.
+/// The accuracy of one order of the decision list.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OrderRecord {
-    /// Names of the classes, first asked first.
+    /// Names of the classes, in the order of the list.
     pub order: Vec<String>,
     /// Share of cells labeled right.
     pub accuracy: f64,

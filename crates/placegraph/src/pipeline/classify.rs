@@ -24,6 +24,13 @@ pub struct Classified {
     pub(super) potentials: Option<Potentials>,
 }
 
+impl Classified {
+    /// What a decision list says.
+    pub(crate) fn of_scans(field: LabelField) -> Self {
+        Self { field, potentials: None }
+    }
+}
+
 /// Classifies the free cells of `map`, each by its own scan: scans, features and the decision list (Sect. 4.2 to 4.4), or the
 /// node potentials of a network (Sect. 4.6.1).
 ///
@@ -56,7 +63,7 @@ pub fn classify(
         Method::Boosted(BoostedModel { list, .. }) => {
             let n_nodes = MIN_STRIP.max(graph.n_nodes().div_ceil(MAX_STRIPS));
             let field = classify_in_strips(map, graph, list, &model.scan, n_nodes, progress);
-            Classified { field, potentials: None }
+            Classified::of_scans(field)
         }
         Method::Iamn(network) => {
             let features = network.node_features(map, graph.cells(), &model.scan, progress);

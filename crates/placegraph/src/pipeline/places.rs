@@ -8,7 +8,7 @@ use crate::grid::{FreeSpace, GridShape};
 use crate::labels::LabelField;
 use crate::model::Model;
 use crate::progress::{Progress, Stage};
-use crate::regions::{RegionId, RegionMap, islands};
+use crate::regions::{RegionId, RegionMap};
 use crate::topology::align::{Alignment, align};
 use crate::topology::edits::{self, Edited, Numbering, Outcome};
 use crate::topology::identity::{CarriedOver, Change, carry_over};
@@ -26,11 +26,12 @@ pub(super) struct Places {
     pub(super) frames: Option<Frames>,
 }
 
-/// Edits `regions` and makes them places.
+/// Edits `regions` and makes places of all but the `islands`.
 pub(super) fn places(
     space: &FreeSpace,
     smoothed: &LabelField,
     regions: RegionMap,
+    islands: &[RegionId],
     model: &Model,
     config: &Config,
     progress: &dyn Progress,
@@ -47,7 +48,7 @@ pub(super) fn places(
     if !config.edits.is_empty() {
         progress.begin(Stage::Edits); // by hand
     }
-    let numbers = numbers(space, &regions, model, config);
+    let numbers = numbers(regions.regions.len(), islands);
     let mut alignment = None;
     let mut previous = config.previous.as_ref().map(Cow::Borrowed);
     let mut numbering = Numbering { numbers, names: BTreeMap::new() };
@@ -92,13 +93,11 @@ pub(super) fn places(
     Places { regions, topology, place_ids, edit_outcomes: outcomes, changes, frames }
 }
 
-/// Numbers from 1 for all regions but islands.
-fn numbers(space: &FreeSpace, regions: &RegionMap, model: &Model, config: &Config) -> Vec<Option<PlaceId>> {
-    let mut is_island = vec![false; regions.regions.len()];
-    if config.correction {
-        for island in islands(space, regions, model.thresholds.min_island_m2) {
-            is_island[island.index()] = true;
-        }
+/// Numbers from 1 for all regions but `islands`.
+fn numbers(n_regions: usize, islands: &[RegionId]) -> Vec<Option<PlaceId>> {
+    let mut is_island = vec![false; n_regions];
+    for island in islands {
+        is_island[island.index()] = true;
     }
     let mut next = 0;
     let number = |is_island: bool| {

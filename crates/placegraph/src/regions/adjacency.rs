@@ -1,4 +1,4 @@
-//! Which regions touch, along how many cell sides, and where (Sect. 4.7).
+//! The regions that touch, the length of their contact in cell sides, and its position (Sect. 4.7).
 //!
 //! Cost: linear in runs, plus a sort of the touching pairs.
 
@@ -13,7 +13,7 @@ pub struct Contact {
     pub a: RegionId,
     /// The region with the higher id.
     pub b: RegionId,
-    /// Number of pairs of cells that share a side; 0 where the regions touch at corners only.
+    /// Number of pairs of cells that share a side; 0 if the regions touch only at corners.
     pub n_sides: u32,
     /// Mean of the common border, in cells from the lower left corner of the grid.
     pub mean: Point2,
@@ -30,8 +30,8 @@ struct Stretch {
     to: Point2,
 }
 
-/// The pairs of regions with neighboring cells, by ids. What a neighbor is follows
-/// [`RegionMap::diagonal`], as in the regions themselves.
+/// The pairs of regions with neighboring cells, by ids. Cells are neighbors as in the regions themselves, see
+/// [`RegionMap::diagonal`].
 pub fn contacts(graph: &CellGraph, regions: &RegionMap) -> Vec<Contact> {
     let runs = Runs::new(graph, |node| regions.region_of[node].0);
     let mut stretches = Vec::new();

@@ -2,7 +2,7 @@
 //!
 //! Cost: linear in nodes.
 //!
-//! **Deviation.** A diagonal step needs a free cell beside it by default: with plain 8-connectivity, regions
+//! **Deviation.** A diagonal step needs a free cell next to it by default: with plain 8-connectivity, regions
 //! leak through diagonal walls that are one cell thick ([`DiagonalSteps`]).
 
 use super::{Region, RegionId, RegionMap};

@@ -29,7 +29,7 @@ pub struct Thresholds {
     pub min_doorway_m2: f64,
     /// Smallest number of different regions that a doorway touches. Default 2.
     pub min_doorway_neighbors: usize,
-    /// Smallest area of a region that no step leads to, in m²; what is smaller is an [island](super::islands()).
+    /// Smallest area of a region that no step leads to, in m²; a smaller one is an [island](super::islands()).
     /// Default 0.25; 0 in the chapter's setting.
     pub min_island_m2: f64,
 }
@@ -40,11 +40,11 @@ impl Default for Thresholds {
     }
 }
 
-/// How much one of the two rules changed. A cell that changed its label twice counts twice.
+/// Number of regions and cells that one of the two rules changed. A cell that changed its label twice counts twice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Relabeled {
-    /// Number of regions that took another label.
+    /// Number of regions that got another label.
     pub n_regions: usize,
     /// Number of their cells.
     pub n_cells: usize,
@@ -55,9 +55,9 @@ pub struct Relabeled {
 pub struct Corrected {
     /// The regions after the correction.
     pub regions: RegionMap,
-    /// What rule (1) changed: small places and passages.
+    /// Changes by rule (1): small places and passages.
     pub places: Relabeled,
-    /// What rule (2) changed: small doorways, and doorways that join nothing.
+    /// Changes by rule (2): small doorways, and doorways that join nothing.
     pub doorways: Relabeled,
 }
 
@@ -98,7 +98,7 @@ pub fn correct(
     while let Some(Reverse(key)) = queue.pop() {
         let smallest = key.2;
         let part = &partition.parts[smallest];
-        // Entries of regions that grew, merged or were mended meanwhile are out of date.
+        // Entries of regions that grew, merged or were corrected meanwhile are out of date.
         if part.key() != key || !is_wrong(part) {
             continue;
         }

@@ -3,7 +3,7 @@
 use super::DiagonalSteps;
 use crate::labels::{Label, Labeling};
 
-/// Position of a region in [`RegionMap::regions`]. Region images store `id + 1`; 0 is no region.
+/// Position of a region in [`RegionMap::regions`]. Region images store `id + 1`, and 0 for cells without a region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct RegionId(pub u32);
 

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::grid::{Connectivity, Grid, Occupancy};
 use crate::labels::{Label, LabelSet};
 
-/// Least coefficient outside the chapter's own setting, which is −1.
+/// Least coefficient; in the chapter's own setting it is −1.
 pub const LEAST_COMPATIBLE: f64 = -0.999;
 
 /// r(k, k') for K classes and wall, which is the last label, K.
@@ -25,7 +25,7 @@ pub struct Compatibility {
     rows: Vec<Vec<f64>>,
 }
 
-/// Why numbers are no table of compatibilities.
+/// Why numbers are not a valid table of compatibilities.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CompatibilityError {
@@ -37,7 +37,7 @@ pub enum CompatibilityError {
         /// Length of the first row at fault.
         columns: usize,
     },
-    /// A coefficient is no number from −1 to 1.
+    /// A coefficient is not between −1 and 1.
     #[error("expected a coefficient from -1 to 1 in row {row}, column {column}, found {found}")]
     Value {
         /// Row k.
@@ -50,7 +50,7 @@ pub enum CompatibilityError {
 }
 
 impl Compatibility {
-    /// Takes r(k, k') in rows k, wall last.
+    /// Makes the table from r(k, k') in rows k, wall last.
     ///
     /// # Errors
     /// If the table is not square, not of 2 to 8 classes and wall, or a coefficient is outside −1..=1.
@@ -100,7 +100,7 @@ impl From<Compatibility> for Vec<Vec<f64>> {
     }
 }
 
-/// Labels with walls: label K where a cell is not free, `None` where a free cell has no label.
+/// Labels with walls: label K if a cell is not free, `None` if a free cell has no label.
 pub fn with_walls(
     map: &Grid<Occupancy>,
     labels: &Grid<Option<Label>>,
@@ -113,7 +113,7 @@ pub fn with_walls(
     Grid::from_rows(map.width(), map.height(), values)
 }
 
-/// How often labels occur, and how often side by side.
+/// Counts of labels, and of labels in neighboring cells.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PairCounts {
     n_labels: usize,
@@ -124,13 +124,13 @@ pub struct PairCounts {
 }
 
 impl PairCounts {
-    /// No cell counted yet, for `n_labels` classes and wall.
+    /// Empty counts for `n_labels` classes and wall.
     pub fn new(n_labels: usize) -> Self {
         let n = n_labels + 1;
         Self { n_labels, cells: vec![0; n], pairs: vec![0; n * n] }
     }
 
-    /// Counts the cells of a map, labeled as [`with_walls`] does; cells without a label are passed over.
+    /// Counts the cells of a map, labeled as [`with_walls`] does; cells without a label are skipped.
     pub fn add(&mut self, labels: &Grid<Option<Label>>) {
         let n = self.n_labels + 1;
         let wall = Label(self.n_labels as u8);

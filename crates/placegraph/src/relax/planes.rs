@@ -1,5 +1,5 @@
-//! Probabilities of some rows of the map as planes of `f32`, one a class: the layout in which one relaxation step is a
-//! few additions and multiplications of neighboring numbers.
+//! Probabilities of some rows of the map as planes of `f32`, one per class: a layout in which one relaxation step is
+//! a few additions and multiplications of neighboring numbers.
 
 use std::ops::Range;
 

@@ -1,5 +1,5 @@
-//! The relaxation iteration (Sect. 4.5, Eqs. 4.6 and 4.7): every cell's probabilities are moved toward what its eight
-//! neighbors support, all cells at once.
+//! The relaxation iteration (Sect. 4.5, Eqs. 4.6 and 4.7): the probabilities of every cell move toward those that its
+//! eight neighbors support, in all cells at once.
 //!
 //! Cost O(K² n) an iteration. The iterations are made in passes over the map, several in each, in bands of rows and tiles
 //! that stay in cache (`tile.rs`); every value is computed by the same operations however the map is cut. In place:
@@ -42,7 +42,7 @@ const BAND: Range<u32> = 64..256;
 pub struct RelaxConfig {
     /// Number of iterations. Default 50, as in the chapter.
     pub iterations: u32,
-    /// Stop earlier, when no node's most probable label has changed in so many iterations. Default: never.
+    /// Stop when no node's most probable label has changed for this many iterations. Default: never.
     pub patience: Option<u32>,
 }
 
@@ -100,8 +100,8 @@ pub fn relax(
     Relaxed { field, iterations, last_change }
 }
 
-/// The same without a copy of the field: returns what else [`Relaxed`] tells, the number of iterations and the largest change
-/// in the last.
+/// Relaxes the field in place, without a copy. Returns the other members of [`Relaxed`]: the number of iterations and
+/// the largest change in the last one.
 ///
 /// # Panics
 /// As [`relax`].

@@ -3,7 +3,7 @@
 //! Iteration t of row y needs rows y − 1, y and y + 1 after iteration t − 1, so rows are taken from below one by one, and each
 //! new one is followed by iteration 1 of the row below it, iteration 2 of the row below that, and so on: three rows are kept of
 //! every iteration. At the borders of a tile the first and last columns and rows lack neighbors, one more with every iteration;
-//! they are computed by the tiles beside it.
+//! they are computed by the neighboring tiles.
 
 #![expect(clippy::inline_always, reason = "only what is inlined is compiled for several instruction sets")]
 
@@ -13,7 +13,7 @@ use super::compatibility::Compatibility;
 use super::planes::{LANES, Planes};
 use crate::labels::Label;
 
-/// Most iterations at once: the columns that lack neighbors then lie in the block beside the tile.
+/// Most iterations at once: the columns that lack neighbors then lie in the block next to the tile.
 pub(super) const MAX_STEPS: u32 = LANES as u32;
 /// Blocks of a tile: with three rows for each of ten iterations and four labels it takes half a megabyte of cache.
 pub(super) const TILE_BLOCKS: usize = 64;

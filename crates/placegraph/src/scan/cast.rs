@@ -7,7 +7,7 @@ use super::path::{Octant, octant_path};
 use super::{N_BEAMS, RangeScan, ScanConfig, UnknownCells};
 use crate::grid::{Cell, Occupancy, OccupancyGrid};
 
-/// The scan that a robot in the center of `cell` sees, aligned with the grid's axes.
+/// The scan of a robot in the center of `cell`, aligned with the axes of the grid.
 ///
 /// A beam ends where it enters the first cell that stops it ([`ScanConfig`]), or at the maximal range. What
 /// `cell` itself holds does not matter. Cost: O(width + height) per beam, and a pass over the map where specks are not seen.

@@ -9,9 +9,9 @@ use super::cast::range_m;
 use super::lanes::{Singles, WIDTH, ZERO};
 use super::obstacles::Obstacles;
 use super::path::{N_OCTANT, Octant, octant_path};
-use super::walk::{LANES, MAX_STEPS, Path, Steps, count_steps, slot};
+use super::walk::{LANES, MAX_STEPS, Path, Plane, Steps, count_steps, meets, slot};
 use super::{Block, Instructions, N_BEAMS, ScanConfig};
-use crate::grid::OccupancyGrid;
+use crate::grid::{Cell, OccupancyGrid};
 
 /// Ranges of [`WIDTH`] cells in meters, by beam; the first beam again at the end.
 pub(crate) type Ranges = [Singles; N_BEAMS + 1];
@@ -19,12 +19,12 @@ pub(crate) type Ranges = [Singles; N_BEAMS + 1];
 /// Steps that are counted in a byte.
 const SHORT: usize = 256;
 
-/// Casts the beams of whole blocks of cells. Holds the map as bits and the paths of all directions.
+/// Casts the beams of whole blocks of cells. Holds the map as bits, and the paths of all directions.
 #[derive(Clone, Debug)]
 pub struct RayCaster {
     obstacles: Obstacles,
     paths: Vec<Path>,
-    /// For the beams of the first octant: the range in meters after so many steps; at least [`SHORT`] of them.
+    /// For the beams of the first octant: the range in meters after each number of steps; at least [`SHORT`] of them.
     ranges_m: Vec<Vec<f32>>,
 }
 
@@ -39,7 +39,7 @@ pub struct BlockRanges {
 }
 
 impl BlockRanges {
-    /// Room for the ranges of any block.
+    /// Buffers for the ranges of any block.
     #[expect(clippy::new_without_default, reason = "a buffer of 0.7 MB is made on purpose")]
     pub fn new() -> Self {
         Self { groups: vec![[ZERO; N_BEAMS + 1]; LANES / WIDTH], n_cells: 0, slots: Vec::new() }
@@ -77,7 +77,7 @@ impl BlockRanges {
 }
 
 impl RayCaster {
-    /// Prepares casting in `grid`. A beam enters at most 65 535 cells, more than any range worth the name.
+    /// Prepares casting in `grid`. A beam enters at most 65 535 cells, more than any sensible range.
     ///
     /// Cost: O(width · height) bits and O(360 · longest path) offsets.
     pub fn new(grid: &OccupancyGrid, config: &ScanConfig) -> Self {
@@ -106,6 +106,22 @@ impl RayCaster {
             }
         });
         Self { paths: paths.collect(), ranges_m: ranges_m.collect(), obstacles }
+    }
+
+    /// The cells of `wanted`, of the block at `corner`, whose `beam` meets one of `changed`.
+    pub(super) fn meets(
+        &self,
+        corner: Cell,
+        wanted: &Plane,
+        beam: usize,
+        changed: &Obstacles,
+        instructions: Instructions,
+    ) -> Plane {
+        let position = self.obstacles.position(corner);
+        instructions.run(
+            #[inline(always)]
+            || meets(&self.obstacles, changed, position, wanted, &self.paths[beam]),
+        )
     }
 
     /// Casts all beams of the cells of `block`.

@@ -1,4 +1,4 @@
-//! What a simulated scan is.
+//! The settings of a simulated scan.
 
 use serde::{Deserialize, Serialize};
 
@@ -21,19 +21,19 @@ pub enum UnknownCells {
     Pass,
 }
 
-/// How scans are simulated. Stored in the model: features of another scan are other features.
+/// How scans are simulated. Stored in the model, because features depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScanConfig {
-    /// Longest range, in meters; a beam that meets nothing before ends there. Default 80.
+    /// Longest range, in meters; a beam that meets nothing ends there. Default 80.
     pub range_max_m: f64,
-    /// What a beam does in an unknown cell. Default: it ends there. The map's border always ends it.
+    /// How an unknown cell affects a beam. Default: the beam ends there. The border of the map always ends a beam.
     pub unknown: UnknownCells,
     /// Every range is multiplied by this after casting: the building at another scale (Sect. 4.8.2).
     /// Default 1.
     pub range_scale: f64,
-    /// Obstacles that stand free and are at most this long and wide, in meters, are passed through, as the legs of tables and
-    /// chairs are and what noise leaves. Default 0: all are seen.
+    /// Beams pass through free-standing obstacles that are at most this long and wide, in meters, such as the legs of
+    /// tables and chairs, or noise. Default 0: beams end at all obstacles.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub max_speck_m: f64,
 }
@@ -51,7 +51,8 @@ impl ScanConfig {
     /// Largest [`ScanConfig::max_speck_m`].
     pub const MAX_SPECK_M: f64 = 2.0;
 
-    /// Whether ranges and scale are above 0 and not too large for features to be numbers, and specks have a size.
+    /// Whether ranges and scale are above 0 and small enough for features to be finite, and the size of specks is
+    /// valid.
     pub fn is_valid(&self) -> bool {
         let in_range = |value: f64, max: f64| value > 0.0 && value <= max;
         in_range(self.range_max_m, Self::MAX_RANGE_M)

@@ -19,8 +19,8 @@ impl Instructions {
     /// Every choice.
     pub const ALL: [Self; 3] = [Self::Widest, Self::Avx2, Self::Baseline];
 
-    /// The variable of the process that says what [`Instructions::Widest`] is, by [`Instructions::name`]: so that the whole
-    /// program can be measured, and its results compared, on all of them.
+    /// The environment variable that sets [`Instructions::Widest`], by [`Instructions::name`], so that the whole
+    /// program can be measured and compared with each choice.
     pub const VARIABLE: &'static str = "PLACEGRAPH_INSTRUCTIONS";
 
     /// Its name in [`Instructions::VARIABLE`].

@@ -6,6 +6,7 @@
 mod blocks;
 mod cast;
 mod caster;
+mod changes;
 mod config;
 mod instructions;
 pub(crate) mod lanes;
@@ -21,6 +22,7 @@ pub use cast::cast;
 pub(crate) use caster::Ranges;
 #[doc(hidden)]
 pub use caster::{BlockRanges, RayCaster};
+pub(crate) use changes::{Stops, may_differ};
 pub use config::{N_BEAMS, ScanConfig, UnknownCells, beam_angle_rad};
 pub use instructions::Instructions;
 pub use path::beam_direction;

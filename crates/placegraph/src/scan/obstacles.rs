@@ -1,4 +1,4 @@
-//! The map as one bit per cell: 1 stops a beam.
+//! The map as one bit per cell; 1 stops a beam.
 
 use super::{ScanConfig, UnknownCells};
 use crate::grid::{self, Cell, CellGraph, Occupancy, OccupancyGrid};
@@ -47,6 +47,22 @@ impl Obstacles {
             obstacles.words[position] &= !(1 << (cell.x as usize % WORD));
         }
         obstacles
+    }
+
+    /// No obstacles, on as many words.
+    pub(super) fn emptied(&self) -> Self {
+        Self { words: vec![0; self.words.len()], rows: self.rows }
+    }
+
+    /// Whether `cell` is an obstacle.
+    pub(super) fn is_set(&self, cell: Cell) -> bool {
+        self.words[self.position(cell)] >> (cell.x as usize % WORD) & 1 == 1
+    }
+
+    /// Makes `cell` an obstacle.
+    pub(super) fn set(&mut self, cell: Cell) {
+        let position = self.position(cell);
+        self.words[position] |= 1 << (cell.x as usize % WORD);
     }
 
     /// Position of the word that holds `cell`.

@@ -1,4 +1,4 @@
-//! Which cells a beam enters, and how far away: the same for every cell of every map.
+//! The cells that a beam enters, and their distances: the same for every cell of every map.
 //!
 //! Seen from the center of a cell, a beam of a given direction enters the same sequence of cells wherever it
 //! starts. The sequences are worked out for the 46 directions of one octant, by the traversal of
@@ -6,7 +6,7 @@
 //! mirroring a map turns or mirrors its scans exactly.
 //!
 //! **Corners.** Only beams at odd multiples of 45° run through corners of cells. Such a beam goes on
-//! diagonally, unless both cells beside the corner stop it: two obstacles that touch at a corner form a wall.
+//! diagonally, unless both cells next to the corner stop it: two obstacles that touch at a corner form a wall.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 

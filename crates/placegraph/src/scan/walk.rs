@@ -10,13 +10,13 @@ const PLANES: usize = u16::BITS as usize;
 pub(super) const MAX_STEPS: usize = u16::MAX as usize;
 
 /// One bit for every cell of a block.
-type Plane = [u64; ROWS];
+pub(super) type Plane = [u64; ROWS];
 
 /// The cells that beams of one direction enter, as displacements.
 #[derive(Clone, Debug)]
 pub(super) struct Path {
     pub(super) cells: Vec<Offset>,
-    /// Only for diagonal beams: the two cells beside each corner that they run through.
+    /// Only for diagonal beams: the two cells next to each corner that they run through.
     pub(super) beside: Vec<[Offset; 2]>,
 }
 
@@ -68,6 +68,39 @@ pub(super) fn count_steps(obstacles: &Obstacles, position: usize, wanted: &Plane
         )
     };
     numbers(&planes)
+}
+
+/// The cells of `wanted` whose beam enters one of `changed`, before or where `obstacles` stop it, or passes one beside a corner.
+#[inline(always)]
+pub(super) fn meets(
+    obstacles: &Obstacles,
+    changed: &Obstacles,
+    position: usize,
+    wanted: &Plane,
+    path: &Path,
+) -> Plane {
+    let (mut alive, mut met) = (*wanted, [0; ROWS]);
+    for (number, &cell) in path.cells.iter().enumerate() {
+        if number.is_multiple_of(STRIDE) && alive == [0; ROWS] {
+            break;
+        }
+        let mut stops = obstacles.around(position, cell);
+        let mut changes = changed.around(position, cell);
+        if let Some(&beside) = path.beside.get(number) {
+            let [one, other] = beside.map(|cell| obstacles.around(position, cell));
+            let [changed_one, changed_other] = beside.map(|cell| changed.around(position, cell));
+            for row in 0..ROWS {
+                stops[row] |= one[row] & other[row];
+                changes[row] |= changed_one[row] | changed_other[row];
+            }
+        }
+        for row in 0..ROWS {
+            met[row] |= alive[row] & changes[row];
+            // What met a change is known.
+            alive[row] &= !(stops[row] | changes[row]);
+        }
+    }
+    met
 }
 
 /// Counts for every bit the steps it survives, as bit planes: plane p is bit p of the count.

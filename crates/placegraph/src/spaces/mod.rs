@@ -17,20 +17,30 @@
 //! The field should be one that has not heard the neighbors yet: the relaxation makes every cell as sure as its
 //! surroundings, a doubtful patch no less than a clear one.
 //!
+//! Then pieces between doorways and openings are labeled as wholes ([`passages`], [`label_whole`]).
+//!
 //! **Deviation.** The chapter has no such stage; it can be left out. It is the chapter's associative network
 //! (Sect. 4.6) with one weight, on the field of either method.
 
+mod figures;
+mod model;
+mod passages;
 mod piece;
+mod pieces;
 mod whole;
 
 use rayon::prelude::*;
 
 use crate::grid::{CellGraph, DiagonalSteps, FreeSpace, Obstacles, Run, Runs, components};
-use crate::labels::{Label, LabelField, LabelSet, Labeling, Role};
+use crate::labels::{Held, Label, LabelField, LabelSet, Labeling, Role};
 use piece::{Piece, Rectangle};
 
+pub use model::SpaceModel;
+pub use passages::{Measurements, figure_table, passages};
+pub use pieces::Pieces;
+
 /// The weights of evidence and border, each with its source.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SpaceConfig {
     /// s: how much evidence an area of one square meter has, against one meter of border. Default 3: `docs/default-model.md`, "What was
     /// tried": real and generated buildings.
@@ -41,6 +51,13 @@ pub struct SpaceConfig {
     /// Share of the cells of a piece that must agree for all of it to take their label. Default 0.75: of 0.6 to 0.8 the one that does
     /// best on real and generated buildings (`docs/default-model.md`). Above 1, none does.
     pub min_agreement: f64,
+    /// What was learned of pieces.
+    pub model: SpaceModel,
+    /// Least probability by `model` that a piece is a passage, for all of it to become one. Default 1.1, none: 0.6 gains with the default
+    /// model, but ruins building 79 with a model of its left half (`docs/default-model.md`).
+    pub min_passage: f64,
+    /// The odds of a label that a cell had in an earlier result which is held on to are multiplied by this. Default 2.
+    pub held_odds: f64,
     /// Obstacles that stand free and are at most this long and wide are furniture: no walls of a corridor. Default 2.5: a bed, a
     /// row of two desks.
     pub max_furniture_m: f64,
@@ -57,6 +74,9 @@ impl Default for SpaceConfig {
             evidence_per_m: 3.0,
             least_probability: 0.1,
             min_agreement: 0.75,
+            model: SpaceModel::builtin(),
+            min_passage: 1.1,
+            held_odds: 2.0,
             max_furniture_m: 2.5,
             max_cut: 1 << 20,
             tile_cells: 128,
@@ -78,20 +98,23 @@ impl Default for SpaceConfig {
 /// let row = |node: usize| if is_patch(node) { [0.8, 0.2, 0.0] } else { [0.2, 0.8, 0.0] };
 /// let field = LabelField::from_rows(3, (0..18).flat_map(row).collect());
 /// let by_cell = field.most_likely();
-/// let as_a_whole = label(&space, &field, &by_cell, &LabelSet::default(), &SpaceConfig::default());
+/// let as_a_whole = label(&space, &field, &by_cell, &LabelSet::default(), &SpaceConfig::default(), None);
 /// let draw = |labels: &[Label]| space.graph.to_ascii(|node| ['c', 'r', 'd'][labels[node].index()]);
 /// assert_eq!(draw(&by_cell), "rrrrrr\nrrccrr\nrrrrrr\n");
 /// assert_eq!(draw(&as_a_whole), "rrrrrr\nrrrrrr\nrrrrrr\n");
 /// ```
 ///
+/// `held` are the labels of an earlier result: a cell that had one counts as more like it ([`SpaceConfig::held_odds`]).
+///
 /// # Panics
-/// If `field` or `labeling` do not belong to `space`, or a label is not of `label_set`.
+/// If `field`, `labeling` or `held` do not belong to `space`, or a label is not of `label_set`.
 pub fn label(
     space: &FreeSpace,
     field: &LabelField,
     labeling: &[Label],
     label_set: &LabelSet,
     config: &SpaceConfig,
+    held: Held<'_>,
 ) -> Labeling {
     let graph = &space.graph;
     assert!(field.n_nodes() == graph.n_nodes() && labeling.len() == graph.n_nodes(), "one label per node");
@@ -105,7 +128,9 @@ pub fn label(
     let evidence =
         Evidence { candidates: &candidates, config, scale: config.evidence_per_m * space.resolution_m() };
     let edge = vec![1.0; candidates.len()];
-    let row = |node: usize, out: &mut Vec<f64>| evidence.append(field.row(node), out);
+    let row = |node: usize, out: &mut Vec<f64>| {
+        evidence.append(field.row(node), held.and_then(|held| held[node]), out);
+    };
     let mut found: Vec<Option<Label>> = vec![None; graph.n_nodes()];
     let is_too_large =
         |space: &Vec<Run>| candidates.len() == 2 && Rectangle::around(space).n_cells() > config.max_cut;
@@ -148,22 +173,37 @@ pub fn label(
     labels.map(|(&label, found)| found.map_or(label, |found| candidates[found.index()])).collect()
 }
 
-/// `labeling` where every piece between doorways and `cuts` of which most cells agree has their label throughout, and every patch inside of a
-/// place the label of that place; doorways stay.
+/// The pieces between the doorways of `labeling` and `cuts`: nodes on the lines of gates, which no step of four crosses.
+pub fn pieces_between(
+    space: &FreeSpace,
+    labeling: &[Label],
+    cuts: &[Vec<usize>],
+    label_set: &LabelSet,
+) -> Pieces {
+    Pieces::of(&space.graph, labeling, |label| label_set.role(label) != Role::Doorway, cuts)
+}
+
+/// The free cells, and those of furniture: it is no wall.
+fn without_furniture(space: &FreeSpace, config: &SpaceConfig) -> CellGraph {
+    Obstacles::of(&space.graph).cleared(space.in_cells(config.max_furniture_m).round() as u32)
+}
+
+/// `labeling` where every one of `pieces` that is `given` a label has it throughout, any other one of which most cells agree has their
+/// label, and every patch inside of a place has the label of that place; doorways stay.
 ///
-/// What a gate parts is a place of its own, or a part of one. Pieces of which fewer cells agree keep the borders that they have.
-/// `cuts` are nodes on the lines of gates: no step of four crosses them. Cost: linear in the nodes.
+/// What a gate parts is a place of its own, or a part of one. Pieces of which fewer cells agree keep the borders that they have. Cost:
+/// linear in the nodes.
 pub fn label_whole(
     space: &FreeSpace,
     labeling: Labeling,
-    cuts: &[Vec<usize>],
+    pieces: &Pieces,
+    given: &[Option<Label>],
     label_set: &LabelSet,
     config: &SpaceConfig,
 ) -> Labeling {
     let is_open = |label: Label| label_set.role(label) != Role::Doorway;
-    // Furniture is no wall.
-    let bare = Obstacles::of(&space.graph).cleared(space.in_cells(config.max_furniture_m).round() as u32);
-    whole::label_whole(&space.graph, &bare, labeling, is_open, cuts, config.min_agreement)
+    let bare = without_furniture(space, config);
+    whole::label_whole(&space.graph, &bare, labeling, is_open, pieces, given, config.min_agreement)
 }
 
 /// The labels of nodes that the best labeling has whatever lies around their tile, of two labels.
@@ -225,13 +265,19 @@ struct Evidence<'a> {
 }
 
 impl Evidence<'_> {
-    /// Appends the evidence of a node for every candidate: the scaled logarithm of its share among them.
-    fn append(&self, row: &[f32], out: &mut Vec<f64>) {
+    /// Appends the evidence of a node for every candidate: the scaled logarithm of its share among them, and for the label that is
+    /// held on to that of its odds.
+    fn append(&self, row: &[f32], held: Option<Label>, out: &mut Vec<f64>) {
         let total: f64 = self.candidates.iter().map(|label| row[label.index()] as f64).sum();
         let least = self.config.least_probability;
         let share = |label: &Label| row[label.index()] as f64 / total.max(f64::MIN_POSITIVE);
         let bounded = |label| share(label).clamp(least, 1.0 - least);
+        let first = out.len();
         out.extend(self.candidates.iter().map(|label| self.scale * bounded(label).ln()));
+        if let Some(position) = held.and_then(|held| self.candidates.iter().position(|&label| label == held))
+        {
+            out[first + position] += self.scale * self.config.held_odds.ln();
+        }
     }
 }
 
@@ -264,7 +310,7 @@ mod tests {
             _ => [0.0, 0.0, 1.0],
         };
         let field = LabelField::from_rows(3, labeling.iter().flat_map(row).collect());
-        label(&space(graph), &field, &labeling, &LabelSet::default(), &SpaceConfig::default())
+        label(&space(graph), &field, &labeling, &LabelSet::default(), &SpaceConfig::default(), None)
     }
 
     #[test]
@@ -273,7 +319,7 @@ mod tests {
         let evidence = Evidence { candidates: &[CORRIDOR, ROOM], config: &config, scale: 0.5 };
         let of = |row: &[f32]| {
             let mut found = Vec::new();
-            evidence.append(row, &mut found);
+            evidence.append(row, None, &mut found);
             found
         };
         let found = of(&[0.1, 0.3, 0.6]);
@@ -344,10 +390,10 @@ mod tests {
         let field = LabelField::from_rows(3, values);
         let config = SpaceConfig { evidence_per_m: 9.0, ..SpaceConfig::default() };
         let label_set = LabelSet::default();
-        let found = label(&space(&graph), &field, &labeling, &label_set, &config);
+        let found = label(&space(&graph), &field, &labeling, &label_set, &config, None);
         for max_cut in [0, 400] {
-            let config = SpaceConfig { max_cut, ..config };
-            let in_cuts = label(&space(&graph), &field, &labeling, &label_set, &config);
+            let config = SpaceConfig { max_cut, ..config.clone() };
+            let in_cuts = label(&space(&graph), &field, &labeling, &label_set, &config, None);
             assert_eq!(in_cuts, found, "what is larger than {max_cut} cells in tiles");
         }
 
@@ -359,7 +405,7 @@ mod tests {
         let evidence = Evidence { candidates: &[CORRIDOR, ROOM], config: &config, scale: 0.9 };
         let mut node = Vec::new();
         for &cell in whole.cells() {
-            evidence.append(field.row(graph.node_at(cell).unwrap()), &mut node);
+            evidence.append(field.row(graph.node_at(cell).unwrap()), None, &mut node);
         }
         let potentials = Potentials { node, edge: vec![1.0; 2], connectivity: Connectivity::Eight };
         let expected = expand(&whole, &potentials, &vec![ROOM; whole.n_nodes()]);

@@ -4,60 +4,36 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
+use super::pieces::Pieces;
 use crate::grid::{Cell, CellGraph, Connectivity};
 use crate::labels::{Label, LabelSet, Labeling};
 
-/// `labeling` where every piece of which at least `share` of the cells agree has their label throughout, and every part of another
-/// piece whose border is mostly with one other part has the label of that.
+/// `labeling` where every piece that is `given` a label has it throughout, and so every other one of which at least `share` of the cells
+/// agree; every part of any other piece whose border is mostly with one other part has the label of that.
 ///
-/// What is not free in `bare` is wall. Pieces are the 4-connected parts of what `is_open` accepts, without the cells of `cuts`. Cells of cuts take the label of most of
-/// their neighbors, layer by layer.
+/// What is not free in `bare` is wall. Cells of cuts take the label of most of their neighbors, layer by layer.
 pub(super) fn label_whole(
     graph: &CellGraph,
     bare: &CellGraph,
     mut labeling: Labeling,
     is_open: impl Fn(Label) -> bool,
-    cuts: &[Vec<usize>],
+    pieces: &Pieces,
+    given: &[Option<Label>],
     share: f64,
 ) -> Labeling {
-    let mut cut: Vec<usize> =
-        cuts.iter().flatten().copied().filter(|&node| is_open(labeling[node])).collect();
-    cut.sort_unstable();
-    cut.dedup();
-    // Nodes that are not to be entered: doorways, cuts, and what was visited.
-    let mut is_closed: Vec<bool> = labeling.iter().map(|&label| !is_open(label)).collect();
-    for &node in &cut {
-        is_closed[node] = true;
-    }
-    let mut piece = Vec::new();
-    for start in 0..graph.n_nodes() {
-        if is_closed[start] {
-            continue;
-        }
-        piece.clear();
-        piece.push(start as u32);
-        is_closed[start] = true;
+    for (piece, nodes) in pieces.nodes().into_iter().enumerate() {
         let mut n_of = [0usize; LabelSet::MAX];
-        let mut next = 0;
-        while let Some(&node) = piece.get(next) {
-            next += 1;
+        for &node in &nodes {
             n_of[labeling[node as usize].index()] += 1;
-            for neighbor in graph.neighbors(node as usize, Connectivity::Four) {
-                if !std::mem::replace(&mut is_closed[neighbor], true) {
-                    piece.push(neighbor as u32);
-                }
-            }
         }
         let (label, n_agree) = most(&n_of);
-        if n_agree as f64 >= share * piece.len() as f64 {
-            for &node in &piece {
-                labeling[node as usize] = label;
-            }
-        } else {
-            join_patches(graph, bare, &mut labeling, &piece);
+        let agreed = (n_agree as f64 >= share * nodes.len() as f64).then_some(label);
+        match given[piece].or(agreed) {
+            Some(label) => nodes.iter().for_each(|&node| labeling[node as usize] = label),
+            None => join_patches(graph, bare, &mut labeling, &nodes),
         }
     }
-    label_cuts(graph, &mut labeling, is_open, cut);
+    label_cuts(graph, &mut labeling, is_open, pieces.cut.clone());
     labeling
 }
 
@@ -242,8 +218,10 @@ mod tests {
 
     fn whole(width: u32, cuts: &[Vec<usize>], label: impl Fn(u32) -> Label) -> Vec<Label> {
         let graph = CellGraph::new(&Grid::filled(width, 1, Occupancy::Free));
-        let labeling = graph.cells().iter().map(|cell| label(cell.x)).collect();
-        label_whole(&graph, &graph, labeling, |label| label != DOORWAY, cuts, 0.7)
+        let labeling: Labeling = graph.cells().iter().map(|cell| label(cell.x)).collect();
+        let is_open = |label| label != DOORWAY;
+        let pieces = Pieces::of(&graph, &labeling, is_open, cuts);
+        label_whole(&graph, &graph, labeling, is_open, &pieces, &vec![None; pieces.len()], 0.7)
     }
 
     #[test]
@@ -267,8 +245,9 @@ mod tests {
     /// A hall of 20 x 10 cells, labeled by `label`; nothing agrees.
     fn hall(label: impl Fn(Cell) -> Label) -> Vec<Label> {
         let graph = CellGraph::new(&Grid::filled(20, 10, Occupancy::Free));
-        let labeling = graph.cells().iter().map(|&cell| label(cell)).collect();
-        label_whole(&graph, &graph, labeling, |label| label != DOORWAY, &[], 2.0)
+        let labeling: Labeling = graph.cells().iter().map(|&cell| label(cell)).collect();
+        let pieces = Pieces::of(&graph, &labeling, |_| true, &[]);
+        label_whole(&graph, &graph, labeling, |_| true, &pieces, &[None], 2.0)
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //!
 //! Two mapping sessions begin in two places, so that their maps differ by a turn and a shift. For every turn, in steps of a
 //! degree, the shifts are proposed by the projections of the free area on both axes, as in map merging by spectra
-//! [Carpin 2008]; the best proposals by common area are then moved until the borders of the free area lie on one another. The
+//! [Carpin 2008]; the best proposals by common area are then moved until the borders of the free area coincide. The
 //! score is the share of both borders that then do, the harmonic mean of both ways (F1). A second solution that is nearly as good says
 //! that the building looks the same from two sides: the answer is not certain.
 //!
@@ -24,7 +24,7 @@ const CELL_M: f64 = 0.1;
 const MAX_SIDE: f64 = 1500.0;
 /// Space around the rasters, in cells.
 const MARGIN: f64 = 12.0;
-/// Borders that are nearer than this lie on one another, in meters; twice a cell if that is more.
+/// Borders that are nearer than this coincide, in meters; twice a cell if that is more.
 const ON_M: f64 = 0.2;
 /// Most points of an area and of a border.
 const MAX_AREA_POINTS: usize = 1000;
@@ -40,25 +40,25 @@ const N_REFINED: usize = 24;
 const APART_RAD: f64 = 0.1;
 const APART_M: f64 = 1.0;
 
-/// A turn and a shift, and how well they fit.
+/// A turn and a shift, with the quality of their fit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {
-    /// Takes points of the old map's frame to that of the new one.
+    /// Transforms points from the old map's frame to the new one's.
     pub new_from_old: Pose2,
-    /// Share of the borders that lie on one another, 0 to 1.
+    /// Share of the borders that coincide, 0 to 1.
     pub score: f64,
-    /// The score of the best solution that is another.
+    /// The score of the best other solution.
     pub runner_up: f64,
 }
 
 impl Alignment {
-    /// Whether the maps are of one building, and lie on one another in one way only.
+    /// Whether the maps show one building and coincide in one way only.
     pub fn is_certain(&self) -> bool {
         self.score >= MIN_SCORE && self.score - self.runner_up >= MIN_LEAD
     }
 }
 
-/// The turn and the shift that lay `old` best on `new`; `None` if one of them has no place.
+/// The turn and the shift that align `old` with `new` best; `None` if one of them has no place.
 pub fn align(old: &TopologicalMap, new: &TopologicalMap) -> Option<Alignment> {
     let cell_m =
         [old, new].into_iter().filter_map(extent_m).fold(CELL_M, |cell, side| cell.max(side / MAX_SIDE));
@@ -79,7 +79,7 @@ pub fn align(old: &TopologicalMap, new: &TopologicalMap) -> Option<Alignment> {
 }
 
 impl TopologicalMap {
-    /// The map in another frame, to which `pose` takes its points.
+    /// The map in another frame, to which `pose` transforms its points.
     pub fn moved(&self, pose: Pose2) -> Self {
         let mut map = self.clone();
         let point = |point: &mut Point2| *point = pose.apply(*point);
@@ -99,6 +99,7 @@ impl TopologicalMap {
             point(&mut connection.middle);
             connection.route.iter_mut().flat_map(|route| &mut route.line).for_each(point);
         }
+        map.shortcuts.iter_mut().flat_map(|way| &mut way.route.line).for_each(point);
         map
     }
 }
@@ -239,7 +240,7 @@ fn distances(width: usize, height: usize, sources: &[usize]) -> Vec<f32> {
     distances
 }
 
-/// The most promising ways from new to old, each another.
+/// The most promising poses from new to old, all different.
 fn proposals(old: &Sheet, new: &Sheet) -> Vec<Pose2> {
     let bin_m = (2.0 * old.radius_m.max(new.radius_m) / MAX_BINS).max(2.0 * old.cell_m);
     // Points by cell: projections of as many as stand for the area.
@@ -288,7 +289,7 @@ impl Projection {
         Self { first, bin_m, counts }
     }
 
-    /// The shifts, in meters, by which `other` has most in common with this one, each better than those beside it.
+    /// The shifts, in meters, by which `other` has most in common with this one, each better than its neighbors.
     fn best_shifts(&self, other: &Self) -> Vec<f64> {
         let n = (self.counts.len() + other.counts.len() - 1) as i64;
         // Shift k lays the last bin of `other` on bin k of this one.
@@ -324,7 +325,7 @@ fn common_share(old: &Sheet, new: &Sheet, pose: Pose2) -> f64 {
     common / (old.n_cells as f64 + new.n_cells as f64 - common)
 }
 
-/// `pose`, moved until the borders lie on one another: coarse steps first, then finer ones.
+/// `pose`, moved until the borders coincide: coarse steps first, then finer ones.
 fn refined(old: &Sheet, new: &Sheet, pose: Pose2) -> Pose2 {
     let mut best = pose;
     for reach_m in [1.5, 0.75, 0.4, 0.2] {
@@ -373,7 +374,7 @@ fn nearness(old: &Sheet, new: &Sheet, pose: Pose2, reach_m: f64) -> f64 {
     0.5 * (there + back)
 }
 
-/// The share of the borders that lie on one another: the harmonic mean of both ways.
+/// The share of the borders that coincide: the harmonic mean over both directions.
 fn score(old: &Sheet, new: &Sheet, pose: Pose2) -> f64 {
     let on_m = ON_M.max(2.0 * old.cell_m);
     let [there, back] = both_ways(old, new, pose, |distance_m| f64::from(u8::from(distance_m <= on_m)));

@@ -1,7 +1,7 @@
-//! How near the walls are: of cells and of lines, exactly.
+//! Exact distances from cells and lines to the walls.
 
 use super::segment::for_each_touched_in;
-use crate::geom::Point2;
+use crate::geom::{Point2, Vec2};
 use crate::grid::{Cell, CellGraph, squared_clearances};
 
 /// What a body needs in free space. Lengths are in cells.
@@ -73,7 +73,7 @@ impl Body<'_> {
 /// Distance from a point to the nearest point of a cell.
 fn distance_to_cell(point: Point2, (x, y): (i64, i64)) -> f64 {
     let beside = |v: f64, low: i64| (low as f64 - v).max(v - (low as f64 + 1.0)).max(0.0);
-    beside(point.x, x).hypot(beside(point.y, y))
+    Vec2::new(beside(point.x, x), beside(point.y, y)).length()
 }
 
 /// Distance from the segment between `a` and `b`, which does not enter the cell, to the nearest point of it: that of an end of

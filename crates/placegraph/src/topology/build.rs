@@ -1,4 +1,4 @@
-//! From regions to the topological map (Sect. 4.7): a place per region, a connection per pair that touches.
+//! From regions to the topological map (Sect. 4.7): a place per region, a connection per pair of regions that touch.
 //!
 //! Cost: linear in nodes and border sides.
 
@@ -99,6 +99,7 @@ pub fn build(
     let mut map = TopologicalMap {
         places: outlines.into_par_iter().enumerate().map(place).collect(),
         connections: contacts.iter().map(connection).collect(),
+        shortcuts: Vec::new(),
         last_id: PlaceId(regions.regions.len() as u32),
     };
     lay_routes(&mut map, space, regions, 0.0);

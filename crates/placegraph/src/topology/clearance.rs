@@ -1,9 +1,9 @@
-//! The cell of every region that is farthest from all cells that are not the region's.
+//! The cell of every region that is farthest from all cells outside of the region.
 //!
 //! An exact Euclidean distance transform of all regions at once: down the columns, then along the runs of the
 //! rows [Meijster, Roerdink, Hesselink 2000]. Cost: linear in nodes.
 
-use crate::geom::Point2;
+use crate::geom::{Point2, Vec2};
 use crate::grid::{CellGraph, squared_clearances};
 use crate::regions::RegionMap;
 
@@ -41,7 +41,7 @@ pub(super) fn clearance_cells(graph: &CellGraph, regions: &RegionMap, node: usiz
             for step in [(along, -radius), (along, radius), (-radius, along), (radius, along)] {
                 if !is_own(step) {
                     let beside = |d: i32| (d.abs() as f64 - 0.5).max(0.0);
-                    nearest = nearest.min(beside(step.0).hypot(beside(step.1)));
+                    nearest = nearest.min(Vec2::new(beside(step.0), beside(step.1)).length());
                 }
             }
         }

@@ -1,5 +1,5 @@
-//! Places keep their numbers and names when the map is updated: the new places are matched to those of an
-//! earlier result by their overlap in the map frame.
+//! Places keep their numbers and names when the map is updated: new places are matched to those of an earlier result
+//! by their overlap in the map frame.
 //!
 //! Pairs are taken greedily by their overlap relative to their union, largest first. A doorway that moved off
 //! its old cells is matched to the nearest one left.
@@ -21,13 +21,13 @@ use crate::labels::Role;
 /// Pairs that share less than this part of their union are not the same place.
 pub const MIN_SHARED_FRAC: f64 = 0.1;
 
-/// A place that lies in another by more than this part is a piece of it.
+/// A place that overlaps another by more than this share is a piece of it.
 pub const MIN_INSIDE_FRAC: f64 = 0.5;
 
-/// Frames agree where at least this part of the smaller map's area is that of places matched one to one.
+/// Frames agree if at least this share of the smaller map's area belongs to places matched one to one.
 pub const MIN_MATCHED_SHARE: f64 = 0.5;
 
-/// What became of places between two results, in the numbers of the new one unless said otherwise.
+/// Changes of places between two results, with the numbers of the new one unless stated otherwise.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "change")]
 #[non_exhaustive]
@@ -60,22 +60,23 @@ pub enum Change {
     },
 }
 
-/// A map whose places go by the numbers and names of an earlier one.
+/// A map whose places have the numbers and names of an earlier one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarriedOver {
     /// The map with its new numbers, places in their order.
     pub map: TopologicalMap,
     /// Old and new number of every place of the current map, for region images.
     pub renumbered: BTreeMap<PlaceId, PlaceId>,
-    /// What else changed; empty where the frames disagree.
+    /// Other changes; empty if the frames disagree.
     pub changes: Vec<Change>,
-    /// Area of the places that were matched one to one, by that of the smaller map. Below [`MIN_MATCHED_SHARE`] the frames of the two
-    /// maps disagree: no number and no name is kept.
+    /// Area of the places that were matched one to one, divided by that of the smaller map. Below
+    /// [`MIN_MATCHED_SHARE`] the frames of the two maps disagree, and no number or name is kept.
     pub matched_share: f64,
 }
 
 impl CarriedOver {
-    /// A map without an earlier self: its places get the `numbers` given, and those in `given` the names given.
+    /// A map without an earlier result: its places get the numbers in `numbers`, and those in `given` get the names
+    /// in `given`.
     pub fn first(
         map: &TopologicalMap,
         numbers: &BTreeMap<PlaceId, PlaceId>,
@@ -194,7 +195,15 @@ pub fn renumber(map: &TopologicalMap, numbers: &BTreeMap<PlaceId, PlaceId>) -> T
         }
         (connection.a, connection.b) = (a.min(b), a.max(b));
     }
+    for way in &mut result.shortcuts {
+        let [a, b] = [way.a, way.b].map(number);
+        if a > b {
+            way.route = way.route.reversed();
+        }
+        (way.within, way.a, way.b) = (number(way.within), a.min(b), a.max(b));
+    }
     result.places.sort_by_key(|place| place.id);
+    result.shortcuts.sort_by_key(|way| (way.within, way.a, way.b));
     result.connections.sort_by_key(|connection| (connection.a, connection.b));
     result
 }

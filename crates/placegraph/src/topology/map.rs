@@ -1,5 +1,5 @@
-//! The result: places with their geometry, and the connections between them. Everything is in meters of the
-//! map frame, and serializes as the `places` and `connections` of `topology.json`.
+//! The result: places with their geometry, and the connections between them. Everything is in meters in the map
+//! frame, and is serialized as `places` and `connections` of `topology.json`.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,7 +13,7 @@ use crate::regions::RegionId;
 pub struct PlaceId(pub u32);
 
 impl PlaceId {
-    /// The largest number of a place: a region image has 16 bits a pixel.
+    /// The largest number of a place: a region image has 16 bits per pixel.
     pub const MAX: Self = Self(u16::MAX as u32);
 }
 
@@ -23,7 +23,7 @@ impl PlaceId {
 pub struct PolygonWithHoles {
     /// The outer ring.
     pub exterior: Vec<Point2>,
-    /// The rings of what the region surrounds.
+    /// The rings of everything that the region surrounds.
     pub holes: Vec<Vec<Point2>>,
 }
 
@@ -34,13 +34,13 @@ impl PolygonWithHoles {
     }
 }
 
-/// What only a doorway has.
+/// The members that only a doorway has.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Doorway {
     /// Clear width of the opening, in meters.
     pub width_m: f64,
-    /// Where the narrowest line across the opening meets the walls.
+    /// The points where the narrowest line across the opening meets the walls.
     pub jambs: [Point2; 2],
     /// The places on its two sides, largest contact first; a doorway at the edge of the explored area has
     /// fewer than two.
@@ -71,14 +71,14 @@ pub struct Place {
     pub axes: EllipseAxes,
     /// Center of its cell with the largest clearance: always inside.
     pub anchor: Point2,
-    /// Distance from the anchor to the nearest cell that is not this place's, in meters.
+    /// Distance from the anchor to the nearest cell outside of this place, in meters.
     pub clearance_m: f64,
-    /// Outline along the cells' sides. More than one polygon where cells touch at a corner only.
+    /// Outline along the sides of the cells. There is more than one polygon if cells touch only at a corner.
     pub outline: Vec<PolygonWithHoles>,
     /// Only for the role doorway.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub doorway: Option<Doorway>,
-    /// Whether no routes lead there from where the robot is ([`reach`](super::reach)).
+    /// Whether no route leads there from the position of the robot ([`reach`](super::reach)).
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub cut_off: bool,
 }
@@ -114,13 +114,13 @@ pub struct Connection {
     pub contact_m: f64,
     /// The point of the common border nearest to its mean.
     pub middle: Point2,
-    /// The way between the two places through free cells; absent if there is none, or if it was not computed.
+    /// The route between the two places; absent if there is none, or if it was not computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub route: Option<Route>,
 }
 
-/// A way through free cells from one place's station to another's. The station of a doorway is at its center,
-/// that of any other place at its anchor.
+/// A route through free cells from the station of one place to that of another. The station of a doorway is its
+/// center, the station of any other place its anchor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Route {
@@ -128,8 +128,8 @@ pub struct Route {
     pub length_m: f64,
     /// Corners of the line, from the station of `a` to that of `b`; every cell it touches is free.
     pub line: Vec<Point2>,
-    /// Distance from the line to the nearest cell that is not free, in meters; farther ones than half a meter, or the robot's
-    /// radius, are not looked for. Absent where it was not computed.
+    /// Distance from the line to the nearest cell that is not free, in meters, at most half a meter or the robot's
+    /// radius, where the search ends. Absent if it was not computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clearance_m: Option<f64>,
 }
@@ -141,10 +141,25 @@ impl Route {
         Self { length_m, line, clearance_m: None }
     }
 
-    /// The same way in the other direction.
+    /// The same route in the other direction.
     pub fn reversed(&self) -> Self {
         Self { line: self.line.iter().rev().copied().collect(), ..*self }
     }
+}
+
+/// A way between two doors of a place that does not pass the place's station. Only ways clearly shorter than that over the
+/// station are kept, and only between doors that no third one parts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shortcut {
+    /// The place that both doors lead into.
+    pub within: PlaceId,
+    /// The doorway with the lower number.
+    pub a: PlaceId,
+    /// The doorway with the higher number.
+    pub b: PlaceId,
+    /// From the station of `a` to that of `b`.
+    pub route: Route,
 }
 
 impl Connection {
@@ -153,7 +168,7 @@ impl Connection {
         if self.a == place { self.b } else { self.a }
     }
 
-    /// The line of the route when one leaves from `place`; empty without a route.
+    /// The line of the route, starting at `place`; empty without a route.
     pub fn line_from(&self, place: PlaceId) -> Vec<Point2> {
         match &self.route {
             Some(route) if place == self.a => route.line.clone(),
@@ -163,7 +178,7 @@ impl Connection {
     }
 }
 
-/// Places and the connections between them. Ends of connections exist, no pair stands twice, `a < b`.
+/// Places and the connections between them. The ends of connections exist, each pair occurs once, and `a < b`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TopologicalMap {
@@ -171,7 +186,10 @@ pub struct TopologicalMap {
     pub places: Vec<Place>,
     /// The edges, by their ends.
     pub connections: Vec<Connection>,
-    /// The number that was given last, here or in an earlier result whose numbers are kept: the next new place gets one
+    /// Further ways between doors, by place and ends.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shortcuts: Vec<Shortcut>,
+    /// The last number given, here or in an earlier result whose numbers are kept; the next new place gets the number
     /// after it ([`super::identity`]).
     #[serde(default)]
     pub last_id: PlaceId,
@@ -183,7 +201,7 @@ impl TopologicalMap {
         self.places.binary_search_by_key(&id, |place| place.id).ok().map(|index| &self.places[index])
     }
 
-    /// Where routes enter and leave `place`: the end of its routes, or its anchor if it has none.
+    /// The point where routes enter and leave `place`: the end of its routes, or its anchor if it has none.
     pub fn station(&self, place: &Place) -> Point2 {
         let line = self.connections_of(place.id).find_map(|connection| {
             let line = &connection.route.as_ref()?.line;
@@ -192,7 +210,7 @@ impl TopologicalMap {
         line.unwrap_or(place.anchor)
     }
 
-    /// The width of the narrower doorway at the ends of `connection`, if one is there.
+    /// The width of the narrower doorway at the ends of `connection`, if there is one.
     pub fn width_m(&self, connection: &Connection) -> Option<f64> {
         let places = [connection.a, connection.b].into_iter().filter_map(|id| self.place(id));
         places.filter_map(|place| Some(place.doorway.as_ref()?.width_m)).min_by(f64::total_cmp)
@@ -212,6 +230,7 @@ impl TopologicalMap {
         Self {
             places: places.collect(),
             connections: self.connections.iter().filter(both).cloned().collect(),
+            shortcuts: self.shortcuts.iter().filter(|way| !is_cut_off(way.within)).cloned().collect(),
             last_id: self.last_id,
         }
     }
@@ -221,6 +240,7 @@ impl TopologicalMap {
         let is_left = |place: PlaceId| !is_none(RegionId(place.0 - 1));
         self.places.retain(|place| is_left(place.id));
         self.connections.retain(|connection| is_left(connection.a) && is_left(connection.b));
+        self.shortcuts.retain(|way| [way.within, way.a, way.b].into_iter().all(&is_left));
         for doorway in self.places.iter_mut().filter_map(|place| place.doorway.as_mut()) {
             doorway.sides.retain(|&side| is_left(side));
         }

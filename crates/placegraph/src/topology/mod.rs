@@ -1,5 +1,5 @@
-//! The topological map: places, doorways and how they connect (Sect. 4.7); routes between them; what keeps
-//! their names over time; and the questions one asks of it.
+//! The topological map: places, doorways and how they connect (Sect. 4.7), routes between them, stable names, and
+//! queries.
 
 pub mod align;
 mod body;
@@ -20,12 +20,13 @@ mod segment;
 pub use crate::geom::EllipseAxes;
 pub use build::build;
 pub(crate) use build::place_id;
-pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, TopologicalMap};
+pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, Shortcut, TopologicalMap};
 pub use names::{MAX_NAME_CHARS, NameError, check_name};
 #[doc(hidden)]
 pub use outline::outlines;
+pub(crate) use raster::row_crossings;
 pub use raster::{PlaceRaster, PlaceSpan};
-pub use routes::COMFORT_M;
 #[doc(hidden)]
 pub use routes::lay_routes;
+pub use routes::{Approach, COMFORT_M, approaches};
 pub(crate) use segment::{all_touched, segments_cross};

@@ -1,4 +1,4 @@
-//! What people may call a place.
+//! Rules for the names of places.
 
 use crate::text::is_shown;
 

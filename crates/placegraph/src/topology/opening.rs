@@ -1,10 +1,10 @@
-//! The clear width of a doorway: the shortest line across the way through it, from wall to wall.
+//! The clear width of a doorway: the shortest line across it, from wall to wall.
 //!
 //! The way through leads from the border with one neighbor to the border with the other. From the doorway's cells on
-//! it and beside it, lines are drawn in every direction within 60 degrees of straight across, and followed
+//! it and next to it, lines are drawn in every direction within 60 degrees of straight across, and followed
 //! exactly through the grid to the first cell on either side that is not free. The shortest is the opening.
 //! It does not depend on how much of the opening carries the doorway label, on the direction of the walls or
-//! on the corners of the rooms beside it, which no such line can cut off.
+//! on the corners of the neighboring rooms, which no such line can cut off.
 //!
 //! Cost per doorway: about depth · width · 350 steps in cells.
 
@@ -24,7 +24,7 @@ pub(super) struct Opening {
     pub(super) jambs: [Point2; 2],
 }
 
-/// The narrowest line across the way from `from` to `to` through cells of the doorway, whose nodes `is_own` tells. Where
+/// The narrowest line across the path from `from` to `to` through cells of the doorway, the nodes for which `is_own` holds. Where
 /// that way leads through none of them, and where both ends are one point, lines start at the center `anchor` of one of its cells.
 pub(super) fn opening(
     graph: &CellGraph,

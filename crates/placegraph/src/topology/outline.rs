@@ -66,7 +66,7 @@ impl Parts {
 
     /// Walks around the part of `start` from the lower left corner of `start` along its lower side, and marks
     /// the cells of which it walks the lower side. Corners in cells: where the ring turns, and where another part begins or
-    /// ends beside it, so that outlines that share a side share its ends, also after their points were turned and rounded.
+    /// ends next to it, so that outlines that share a side share its ends, also after their points were turned and rounded.
     fn ring(&self, graph: &CellGraph, start: Cell, is_walked: &mut [bool]) -> Vec<Point2> {
         let first = (start.x as i64, start.y as i64);
         let part = self.at(graph, first.0, first.1);

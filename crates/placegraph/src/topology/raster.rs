@@ -1,5 +1,5 @@
-//! Which place every cell belongs to, recovered from the outlines: per row the stretches of cells whose centers
-//! lie inside (even–odd rule).
+//! The place of every cell, recovered from the outlines: for each row, the spans of cells whose centers lie inside
+//! (even–odd rule).
 //!
 //! Outlines run along the sides of cells, so on the grid that they were made from the result is exact; on any
 //! other grid it is the resampled map. Cost: `O(e log e)` for e crossings of outlines with rows; memory grows
@@ -65,14 +65,14 @@ impl PlaceRaster {
         self.shape
     }
 
-    /// The stretches of row `y`, from the left. Cost: logarithmic in all stretches.
+    /// The spans of row `y`, from the left. Cost: logarithmic in all spans.
     pub fn row(&self, y: u32) -> &[PlaceSpan] {
         let start = self.rows.partition_point(|&row| row < y);
         let n = self.rows[start..].partition_point(|&row| row == y);
         &self.spans[start..start + n]
     }
 
-    /// The place that `cell` belongs to. Cost: logarithmic in the stretches.
+    /// The place of `cell`. Cost: logarithmic in the spans.
     pub fn place_in(&self, cell: Cell) -> Option<PlaceId> {
         let row = self.row(cell.y);
         let after = row.partition_point(|span| span.start <= cell.x);
@@ -103,15 +103,23 @@ fn crossings(map: &TopologicalMap, shape: &GridShape) -> Vec<Crossing> {
                 ring.iter().map(|&corner| shape.frame.cells_from_map(corner)).collect();
             for (index, &from) in corners.iter().enumerate() {
                 let to = corners[(index + 1) % corners.len()];
-                let (low, high) = if from.y <= to.y { (from, to) } else { (to, from) };
-                // Rows whose center line y + 1/2 lies in [low.y, high.y).
-                let row = |y: f64| (y - 0.5).ceil().clamp(0.0, shape.height as f64) as u32;
-                crossings.extend((row(low.y)..row(high.y)).map(|row| {
-                    let t = (row as f64 + 0.5 - low.y) / (high.y - low.y);
-                    Crossing { row, place: place.id, x: low.x + t * (high.x - low.x) }
+                crossings.extend(row_crossings(from, to, shape.height).map(|(row, x)| Crossing {
+                    row,
+                    place: place.id,
+                    x,
                 }));
             }
         }
     }
     crossings
+}
+
+/// The rows below `height` whose center line the segment crosses, and where: those with a center in [low, high).
+pub(crate) fn row_crossings(from: Point2, to: Point2, height: u32) -> impl Iterator<Item = (u32, f64)> {
+    let (low, high) = if from.y <= to.y { (from, to) } else { (to, from) };
+    let row = move |y: f64| (y - 0.5).ceil().clamp(0.0, height as f64) as u32;
+    (row(low.y)..row(high.y)).map(move |row| {
+        let t = (row as f64 + 0.5 - low.y) / (high.y - low.y);
+        (row, low.x + t * (high.x - low.x))
+    })
 }

@@ -1,4 +1,4 @@
-//! What a robot reaches, and how good the graph is for it.
+//! The places that a robot can reach, and how good the graph is for it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
@@ -13,10 +13,10 @@ use crate::grid::GridShape;
 /// The robot that a result is for.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Robot {
-    /// What its center needs on all sides, in meters; 0 for a point.
+    /// The distance that its center needs on all sides, in meters; 0 for a point.
     pub radius_m: f64,
-    /// Where it is, in meters of the map frame: what cannot be reached from there is cut off. Without it, what cannot be reached
-    /// from the largest part.
+    /// Its position, in meters in the map frame: places that it cannot reach from there are cut off. Without it,
+    /// routes start from the largest part.
     pub from: Option<Point2>,
 }
 
@@ -29,14 +29,14 @@ pub const MAX_RADIUS_M: f64 = 10.0;
 pub struct GraphCheck {
     /// The radius that routes keep, in meters; 0 for a point.
     pub radius_m: f64,
-    /// Least distance of a route to what is not free, in meters; absent where no place has a route.
+    /// Least distance of a route to a cell that is not free, in meters; absent if no place has a route.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub least_clearance_m: Option<f64>,
-    /// Area of the places that can be reached by area of all places, 0 to 1.
+    /// Area of the reachable places, divided by the area of all places, 0 to 1.
     pub reached_share: f64,
-    /// Pairs of places with a way between them by all pairs, 0 to 1.
+    /// Pairs of places that routes join, divided by all pairs, 0 to 1.
     pub joined_share: f64,
-    /// Connections that have no route though their places touch: too narrow for the robot.
+    /// Connections without a route although their places touch: too narrow for the robot.
     pub n_blocked: usize,
 }
 
@@ -138,7 +138,7 @@ impl GraphCheck {
     }
 }
 
-/// What is said of a map that a robot does not reach whole, in plain words; empty if it does.
+/// Remarks on a map that a robot cannot reach as a whole, in plain words; empty if it can.
 pub fn remarks(map: &TopologicalMap, robot: &Robot) -> Vec<String> {
     let mut remarks = Vec::new();
     let cut_off: Vec<_> = map.places.iter().filter(|place| place.cut_off).collect();

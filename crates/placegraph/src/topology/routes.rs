@@ -3,22 +3,28 @@
 //! One search from all stations at once gives every cell's cheapest way to the station of its own place. The
 //! route of a connection crosses the common border where the two ways together are cheapest, and is then pulled
 //! straight. Steps near walls cost more, up to twice as much at the wall itself. A robot with a radius keeps it: cells nearer to
-//! a wall are not entered, and every straight part is checked exactly.
+//! a wall are not entered, and every straight part is checked exactly. [`shortcuts`] then joins doors of one place.
 //!
-//! Cost: one search over the free cells, linear in them but for sorting those of equal cost; the pulling looks some tens of
-//! times along every straight part of a route. Memory: 6 bytes a node.
+//! Cost: two searches over the free cells, linear in them but for sorting those of equal cost; the pulling looks some tens of
+//! times along every straight part of a route. Memory: 8 bytes a node.
+
+mod approach;
+mod queue;
+mod shortcuts;
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
 use rayon::prelude::*;
 
+use self::queue::Queue;
 use super::body::Body;
 use super::segment::all_touched;
-use super::{Route, TopologicalMap};
+use super::{PlaceId, Route, TopologicalMap};
 use crate::geom::Point2;
 use crate::grid::{Cell, CellGraph, Connectivity, FreeSpace, NO_NODE};
 use crate::regions::{RegionId, RegionMap};
+pub use approach::{Approach, approaches};
 
 /// Walls farther than this do not make a step dearer, in meters.
 pub const COMFORT_M: f64 = 0.5;
@@ -39,19 +45,20 @@ pub fn lay_routes(map: &mut TopologicalMap, space: &FreeSpace, regions: &RegionM
     let walks = Walks::new(map, space, regions, radius_m);
     let portals = walks.portals();
     for connection in &mut map.connections {
-        let pair = [connection.a, connection.b].map(|place| RegionId(place.0 - 1));
+        let pair = [connection.a, connection.b].map(region_of);
         let path = match portals.get(&(pair[0], pair[1])) {
             Some(portal) => Some(walks.path_through(portal.nodes)),
             None if walks.passable.is_some() => None,
             None => walks.detour(pair),
         };
-        connection.route = path.map(|path| {
-            let line = walks.pulled_straight(&path, pair);
-            let clearance = walks.body.clearance(&line, walks.radius.max(f64::from(walks.comfort)));
-            let line = line.into_iter().map(|point| space.frame.map_from_cells(point)).collect();
-            Route { clearance_m: Some(clearance * space.resolution_m()), ..Route::along(line) }
-        });
+        connection.route = path.map(|path| walks.route(&path, &pair, space));
     }
+    map.shortcuts = shortcuts::lay(map, walks, &portals, space);
+}
+
+/// The region of a place, before places get the numbers of an earlier result.
+fn region_of(place: PlaceId) -> RegionId {
+    RegionId(place.0 - 1)
 }
 
 /// The cheapest pair of neighboring cells on the two sides of a border.
@@ -59,6 +66,9 @@ struct Portal {
     cost: u32,
     nodes: [usize; 2],
 }
+
+/// The cheapest crossings of all borders, by what lies on both sides, the smaller first.
+type Portals<K> = BTreeMap<(K, K), Portal>;
 
 /// Every node's cheapest way to the station of its region.
 struct Walks<'a> {
@@ -74,18 +84,13 @@ struct Walks<'a> {
     /// Cells to the nearest wall along the larger coordinate, at most `comfort`.
     clearance: Vec<u8>,
     comfort: u8,
-    cost: Vec<u32>,
+    cost: Vec<AtomicU32>,
     /// Position in the steps of [`Connectivity::Eight`] that leads back towards the station.
-    back: Vec<u8>,
+    back: Vec<AtomicU8>,
 }
 
 impl<'a> Walks<'a> {
     fn new(map: &TopologicalMap, space: &'a FreeSpace, regions: &'a RegionMap, radius_m: f64) -> Self {
-        let graph = &space.graph;
-        let radius = space.in_cells(radius_m);
-        let body = Body { graph };
-        let passable = (radius > 0.0).then(|| body.passable(radius));
-        let comfort = space.in_cells(COMFORT_M).ceil().clamp(1.0, 255.0) as u8;
         let stations = map.places.iter().map(|place| {
             let region = RegionId(place.id.0 - 1);
             let center = place.doorway.as_ref().map(|doorway| doorway.jambs[0].midpoint(doorway.jambs[1]));
@@ -95,11 +100,25 @@ impl<'a> Walks<'a> {
                 .or_else(|| node_near(space, place.anchor))
                 .unwrap_or_default()
         });
-        let mut stations: Vec<usize> = stations.collect();
+        Self::from_stations(stations.collect(), space, regions, radius_m)
+    }
+
+    /// Searches from `stations`, the node of each region's station.
+    fn from_stations(
+        mut stations: Vec<usize>,
+        space: &'a FreeSpace,
+        regions: &'a RegionMap,
+        radius_m: f64,
+    ) -> Self {
+        let graph = &space.graph;
+        let radius = space.in_cells(radius_m);
+        let body = Body { graph };
+        let passable = (radius > 0.0).then(|| body.passable(radius));
+        let comfort = space.in_cells(COMFORT_M).ceil().clamp(1.0, 255.0) as u8;
         if let Some(passable) = &passable {
             move_to_passable(&mut stations, graph, regions, passable);
         }
-        let mut walks = Self {
+        let walks = Self {
             graph,
             body,
             radius,
@@ -108,42 +127,50 @@ impl<'a> Walks<'a> {
             stations,
             clearance: clearance(graph, comfort),
             comfort,
-            cost: Vec::new(),
-            back: Vec::new(),
+            cost: (0..graph.n_nodes()).map(|_| AtomicU32::new(UNREACHED)).collect(),
+            back: (0..graph.n_nodes()).map(|_| AtomicU8::new(0)).collect(),
         };
-        (walks.cost, walks.back) = walks.search();
+        walks.search_from_stations();
         walks
     }
 
-    /// Dijkstra's search from the station of every region to all its nodes, regions in parallel: no two write to one place.
-    fn search(&self) -> (Vec<u32>, Vec<u8>) {
-        let cost: Vec<_> = (0..self.graph.n_nodes()).map(|_| AtomicU32::new(UNREACHED)).collect();
-        let back: Vec<_> = (0..self.graph.n_nodes()).map(|_| AtomicU8::new(0)).collect();
+    /// Searches from the station of every region, regions in parallel: no two write to one place.
+    fn search_from_stations(&self) {
         let regions = self.stations.par_iter().enumerate();
-        regions
-            .filter(|&(region, &station)| self.regions.region_of[station].index() == region)
-            .filter(|&(_, &station)| self.is_passable(station))
-            .for_each_init(Queue::new, |queue, (region, &station)| {
-                cost[station].store(0, Ordering::Relaxed);
-                queue.start(self.position(station));
-                while let Some((so_far, position)) = queue.pop() {
-                    let around = self.around(position);
-                    if so_far > cost[around[1][1] as usize].load(Ordering::Relaxed) {
-                        continue;
-                    }
-                    for (step, next, step_cost) in self.steps(around) {
-                        let total = so_far.saturating_add(step_cost);
-                        let is_own = self.regions.region_of[next].index() == region;
-                        if is_own && total < cost[next].load(Ordering::Relaxed) {
-                            cost[next].store(total, Ordering::Relaxed);
-                            back[next].store(opposite(step), Ordering::Relaxed);
-                            queue.push(total, self.beside(position, step));
-                        }
-                    }
+        regions.for_each_init(Queue::new, |queue, (region, &station)| {
+            if self.regions.region_of[station].index() == region && self.is_passable(station) {
+                self.search(queue, RegionId(region as u32), &[station], |_, _| ());
+            }
+        });
+    }
+
+    /// Dijkstra's search from `sources` to all nodes of `region`. `reach` is called for
+    /// every node that is reached, with the node before it.
+    fn search(&self, queue: &mut Queue, region: RegionId, sources: &[usize], reach: impl Fn(usize, usize)) {
+        for &source in sources {
+            self.cost[source].store(0, Ordering::Relaxed);
+        }
+        queue.start(sources.iter().map(|&source| self.position(source)));
+        while let Some((so_far, position)) = queue.pop() {
+            let around = self.around(position);
+            let node = around[1][1] as usize;
+            if so_far > self.cost_of(node) {
+                continue;
+            }
+            for (step, next, step_cost) in self.steps(around) {
+                let total = so_far.saturating_add(step_cost);
+                if self.regions.region_of[next] == region && total < self.cost_of(next) {
+                    self.cost[next].store(total, Ordering::Relaxed);
+                    self.back[next].store(opposite(step), Ordering::Relaxed);
+                    reach(next, node);
+                    queue.push(total, self.beside(position, step));
                 }
-            });
-        let cost = cost.into_iter().map(AtomicU32::into_inner).collect();
-        (cost, back.into_iter().map(AtomicU8::into_inner).collect())
+            }
+        }
+    }
+
+    fn cost_of(&self, node: usize) -> u32 {
+        self.cost[node].load(Ordering::Relaxed)
     }
 
     /// The row-major position of a node's cell: in the same order as the nodes, and its neighbors are found sooner.
@@ -187,8 +214,13 @@ impl<'a> Walks<'a> {
     }
 
     /// The cheapest crossing of every border between two regions.
-    fn portals(&self) -> BTreeMap<(RegionId, RegionId), Portal> {
-        let mut portals: BTreeMap<(RegionId, RegionId), Portal> = BTreeMap::new();
+    fn portals(&self) -> Portals<RegionId> {
+        self.crossings(|nodes| Some(nodes.map(|node| self.regions.region_of[node])))
+    }
+
+    /// The cheapest crossing of every border between nodes of different `sides`.
+    fn crossings<K: Copy + Ord>(&self, sides: impl Fn([usize; 2]) -> Option<[K; 2]>) -> Portals<K> {
+        let mut portals = Portals::new();
         let width = self.graph.width() as usize;
         let (mut row, mut above) = (vec![NO_NODE; width], vec![NO_NODE; width]);
         self.graph.fill_row(0, &mut above);
@@ -202,8 +234,12 @@ impl<'a> Walks<'a> {
             for x in (0..width).filter(|&x| row[x] != NO_NODE) {
                 let right = row.get(x + 1).copied().unwrap_or(NO_NODE);
                 for (step, next) in [((1, 0), right), ((0, 1), above[x])] {
-                    if next != NO_NODE {
-                        self.add_portal(&mut portals, [row[x] as usize, next as usize], step);
+                    if next == NO_NODE {
+                        continue;
+                    }
+                    let nodes = [row[x] as usize, next as usize];
+                    if let Some(sides) = sides(nodes).filter(|[here, there]| here != there) {
+                        self.add_portal(&mut portals, nodes, sides, step);
                     }
                 }
             }
@@ -212,17 +248,18 @@ impl<'a> Walks<'a> {
     }
 
     /// Adds the crossing between two neighboring nodes if it is the cheapest of its border so far.
-    fn add_portal(
+    fn add_portal<K: Copy + Ord>(
         &self,
-        portals: &mut BTreeMap<(RegionId, RegionId), Portal>,
+        portals: &mut Portals<K>,
         [node, next]: [usize; 2],
+        [here, there]: [K; 2],
         step: (i32, i32),
     ) {
-        let [here, there] = [node, next].map(|node| self.regions.region_of[node]);
-        if here == there || self.cost[node] == UNREACHED || self.cost[next] == UNREACHED {
+        let [cost_here, cost_there] = [node, next].map(|node| self.cost_of(node));
+        if cost_here == UNREACHED || cost_there == UNREACHED {
             return;
         }
-        let cost = self.cost[node].saturating_add(self.cost[next]).saturating_add(self.step_cost(next, step));
+        let cost = cost_here.saturating_add(cost_there).saturating_add(self.step_cost(next, step));
         let nodes = if here < there { [node, next] } else { [next, node] };
         let pair = (here.min(there), here.max(there));
         let best = portals.entry(pair).or_insert(Portal { cost: UNREACHED, nodes });
@@ -233,11 +270,23 @@ impl<'a> Walks<'a> {
 
     /// From the station of the first node's region through both nodes to the station of the second's.
     fn path_through(&self, nodes: [usize; 2]) -> Vec<usize> {
-        let way = |node: usize| (self.cost[node] > 0).then(|| self.back[node]);
-        let mut path = self.walk_back(nodes[0], way);
+        let mut path = self.way_back(nodes[0]);
         path.reverse();
-        path.extend(self.walk_back(nodes[1], way));
+        path.extend(self.way_back(nodes[1]));
         path
+    }
+
+    /// The nodes from `node` to where the search of its region began.
+    fn way_back(&self, node: usize) -> Vec<usize> {
+        self.walk_back(node, |node| (self.cost_of(node) > 0).then(|| self.back[node].load(Ordering::Relaxed)))
+    }
+
+    /// The route along `path`, which touches only cells of `regions`.
+    fn route(&self, path: &[usize], regions: &[RegionId], space: &FreeSpace) -> Route {
+        let line = self.pulled_straight(path, regions);
+        let clearance = self.body.clearance(&line, self.radius.max(f64::from(self.comfort)));
+        let line = line.into_iter().map(|point| space.frame.map_from_cells(point)).collect();
+        Route { clearance_m: Some(clearance * space.resolution_m()), ..Route::along(line) }
     }
 
     /// From station to station through whatever is free. Cost: that of the cells that are nearer; these stand in a tree, so that
@@ -246,7 +295,7 @@ impl<'a> Walks<'a> {
         let [from, to] = pair.map(|region| self.stations[region.index()]);
         let mut reached = BTreeMap::from([(to, (0, 0))]);
         let mut queue = Queue::new();
-        queue.start(self.position(to));
+        queue.start([self.position(to)]);
         while let Some((so_far, position)) = queue.pop() {
             let around = self.around(position);
             let node = around[1][1] as usize;
@@ -284,8 +333,8 @@ impl<'a> Walks<'a> {
     }
 
     /// The corners that remain when `path` is replaced by straight lines as long as these touch only cells of
-    /// the two regions, none nearer to a wall than the cells they replace. In cells.
-    fn pulled_straight(&self, path: &[usize], pair: [RegionId; 2]) -> Vec<Point2> {
+    /// `regions`, none nearer to a wall than the cells they replace. In cells.
+    fn pulled_straight(&self, path: &[usize], regions: &[RegionId]) -> Vec<Point2> {
         let center = |position: usize| self.graph.cell(path[position]).center();
         let mut line = vec![center(0)];
         let mut corner = 0;
@@ -301,7 +350,7 @@ impl<'a> Walks<'a> {
                 let between = path[position + 1..=next].iter().map(|&node| self.clearance[node]);
                 let tightest_to_next = between.fold(tightest, u8::min);
                 let is_visible = all_touched(center(corner), center(next), |x, y| {
-                    self.node_in(pair, x, y).is_some_and(|node| self.clearance[node] >= tightest_to_next)
+                    self.node_in(regions, x, y).is_some_and(|node| self.clearance[node] >= tightest_to_next)
                 }) && self.keeps_radius(center(corner), center(next));
                 if !is_visible && stride > 1 {
                     stride /= 2;
@@ -326,12 +375,12 @@ impl<'a> Walks<'a> {
         self.passable.is_none() || self.body.clearance(&[a, b], self.radius + 1.0) >= self.radius - 1e-9
     }
 
-    /// The node in column `x` and row `y` if it belongs to one of two regions.
-    fn node_in(&self, pair: [RegionId; 2], x: i64, y: i64) -> Option<usize> {
+    /// The node in column `x` and row `y` if it belongs to one of `regions`.
+    fn node_in(&self, regions: &[RegionId], x: i64, y: i64) -> Option<usize> {
         let cell = Cell::new(u32::try_from(x).ok()?, u32::try_from(y).ok()?);
         let inside = cell.x < self.graph.width() && cell.y < self.graph.height();
         let node = if inside { self.graph.node_at(cell)? } else { return None };
-        pair.contains(&self.regions.region_of[node]).then_some(node)
+        regions.contains(&self.regions.region_of[node]).then_some(node)
     }
 }
 
@@ -392,56 +441,4 @@ fn clearance(graph: &CellGraph, most: u8) -> Vec<u8> {
 /// The step back: the steps are symmetric, and the opposite stands at the mirrored number.
 fn opposite(step: usize) -> u8 {
     (Connectivity::Eight.steps().len() - 1 - step) as u8
-}
-
-/// Positions by cost, and of equal cost by number. A step costs 1 to [`Queue::LONGEST`], so that a list for each cost of that range
-/// is enough, used again and again.
-struct Queue {
-    lists: Vec<Vec<u32>>,
-    cost: u32,
-    n_positions: usize,
-    is_sorted: bool,
-}
-
-impl Queue {
-    /// The dearest step.
-    const LONGEST: u32 = 2 * DIAGONAL;
-
-    fn new() -> Self {
-        let lists = vec![Vec::new(); Self::LONGEST as usize + 1];
-        Self { lists, cost: 0, n_positions: 0, is_sorted: false }
-    }
-
-    /// Begins a search: the queue is empty.
-    fn start(&mut self, position: u32) {
-        (self.cost, self.is_sorted) = (0, false);
-        self.push(0, position);
-    }
-
-    /// Adds a position at most [`Queue::LONGEST`] dearer than the last that was taken.
-    fn push(&mut self, cost: u32, position: u32) {
-        let n_lists = self.lists.len();
-        self.lists[cost as usize % n_lists].push(position);
-        self.n_positions += 1;
-    }
-
-    fn pop(&mut self) -> Option<(u32, u32)> {
-        if self.n_positions == 0 {
-            return None;
-        }
-        let n_lists = self.lists.len();
-        loop {
-            let list = &mut self.lists[self.cost as usize % n_lists];
-            if !std::mem::replace(&mut self.is_sorted, true) {
-                // No step is free, so nothing joins the list while it is read.
-                list.sort_unstable_by(|a, b| b.cmp(a));
-            }
-            if let Some(position) = list.pop() {
-                self.n_positions -= 1;
-                return Some((self.cost, position));
-            }
-            self.cost += 1;
-            self.is_sorted = false;
-        }
-    }
 }

@@ -38,7 +38,7 @@ pub enum TrainError {
         map: String,
     },
     /// A map whose cells are of another size than the first map's, where that matters.
-    #[error("expected maps of one resolution for a network, found another, map {map:?}")]
+    #[error("map {map:?} has another resolution than the first map: a network needs maps of one resolution")]
     Resolution {
         /// The map's name.
         map: String,
@@ -51,20 +51,37 @@ pub enum TrainError {
         /// The map's name.
         map: String,
     },
+    /// A model to start from with other classes.
+    #[error(
+        "expected the classes of the model to start from, {}, found {}",
+        expected.join(", "), found.join(", ")
+    )]
+    BaseClasses {
+        /// Its classes.
+        expected: Vec<String>,
+        /// The classes of the labels.
+        found: Vec<String>,
+    },
+    /// A model to start from that has no stumps.
+    #[error("expected a boosted model to start from, found one of the method {found}")]
+    BaseMethod {
+        /// Its method.
+        found: &'static str,
+    },
     /// No free cell has a label.
     #[error("expected labeled free cells, found none")]
     NoLabels,
-    /// The list cannot be learned from the examples taken.
+    /// The list cannot be trained on the examples.
     #[error(transparent)]
     Boost(#[from] AdaBoostError),
-    /// A class of which there are no cells.
+    /// A class without cells.
     #[error("expected labeled free cells of every class, found none of {class:?}")]
     ClassAbsent {
         /// The class.
         class: String,
     },
     /// More examples than training can number.
-    #[error("expected at most {limit} examples, found {found}; fewer cells per class help")]
+    #[error("expected at most {limit} examples, found {found}: train on fewer cells per class")]
     TooManyExamples {
         /// Largest number.
         limit: usize,

@@ -1,23 +1,23 @@
-//! Learning what a gate is ([`GateModel`]) from maps whose doorways and rooms are known.
+//! Training of the gate model ([`GateModel`]) on maps whose doorways and rooms are known.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::boost::{AdaBoostError, StrongClassifier, adaboost};
-use crate::doorways::{Calibrated, DoorwayConfig, Gate, GateModel, strips};
-use crate::features::{FeatureId, FeatureTable};
+use super::calibration::{Answered, calibrated};
+use crate::boost::AdaBoostError;
+use crate::doorways::{DoorwayConfig, Gate, GateModel, strips};
 use crate::geom::Vec2;
 use crate::grid::{Cell, CellGraph, Connectivity, FreeSpace, Grid};
 use crate::labels::{Label, LabelSet, Role};
-use crate::progress::{Progress, Silent};
+use crate::progress::Progress;
 
-/// A gate with what it is in truth, as far as that is known.
+/// A gate with its true kind, as far as it is known.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GateExample {
     /// Its figures.
     pub figures: Vec<f32>,
     /// Whether it is a doorway.
     pub is_doorway: Option<bool>,
-    /// Whether it parts two rooms, by a doorway or an opening.
+    /// Whether it separates two rooms, as a doorway or an opening.
     pub parts: Option<bool>,
 }
 
@@ -33,7 +33,7 @@ const ROOM_ACROSS: [f64; 3] = [-0.25, 0.0, 0.25];
 /// What `gates` are by the drawn `labels` and `rooms` (ids from 1, 0 for none).
 ///
 /// A gate is a doorway if half of its strip and half of a drawn doorway lie within 0.3 m of each other, and none if less than a
-/// quarter of its strip lies near one; what is between, or mostly unlabeled, is not known. It parts two rooms if these are the
+/// quarter of its strip lies near one; what is between, or mostly unlabeled, is not known. It separates two rooms if these are the
 /// rooms on its two sides.
 pub fn gate_examples(
     space: &FreeSpace,
@@ -64,7 +64,7 @@ pub fn gate_examples(
 
 /// The drawn doorways of a map.
 struct Doorways {
-    /// Number of the doorway of a cell, from 1; 0 in none.
+    /// Number of the doorway of a cell, from 1; 0 for none.
     of: Grid<u32>,
     sizes: Vec<usize>,
     reach: i32,
@@ -155,35 +155,23 @@ fn parts(gate: &Gate, resolution_m: f64, rooms: &Grid<u16>) -> Option<bool> {
     Some(room(1.0)? != room(-1.0)?)
 }
 
-/// Learns a model of gates from the examples of several maps, with so many stumps for either question.
+/// Trains a gate model on the examples of several maps, with this many stumps for either question.
 ///
 /// Probabilities are calibrated on examples that a classifier had not seen: half of the maps after the other.
 ///
 /// # Errors
-/// If no example, or every one, is a doorway, or parts rooms.
+/// If no example, or every one, is a doorway, or separates rooms.
 pub fn learn_gates(
     maps: &[Vec<GateExample>],
     n_rounds: usize,
     sources: Vec<String>,
     progress: &dyn Progress,
 ) -> Result<GateModel, AdaBoostError> {
+    let n_figures = maps.iter().flatten().next().map_or(0, |example| example.figures.len());
     let learned = |truth: fn(&GateExample) -> Option<bool>, progress: &dyn Progress| {
-        let all: Vec<&GateExample> = maps.iter().flatten().collect();
-        let classifier = boosted(&all, truth, n_rounds, progress)?;
-        let mut scored = Vec::new();
-        for half in [0, 1] {
-            let of_half = |wanted: usize| {
-                let maps = maps.iter().enumerate().filter(move |(index, _)| index % 2 == wanted);
-                maps.flat_map(|(_, examples)| examples)
-            };
-            let other = boosted(&of_half(1 - half).collect::<Vec<_>>(), truth, n_rounds, &Silent)?;
-            scored.extend(of_half(half).filter_map(|example| {
-                let score = other.score(|id| example.figures[id.0 as usize]);
-                truth(example).map(|is_true| (score, f64::from(u8::from(is_true))))
-            }));
-        }
-        let (slope, offset) = logistic(&scored);
-        Ok(Calibrated { classifier, slope, offset })
+        let answered = |example| learned_from(example, truth);
+        let maps: Vec<Vec<Answered>> = maps.iter().map(|map| map.iter().map(answered).collect()).collect();
+        calibrated(&maps, n_figures, n_rounds, progress).map(|(calibrated, _)| calibrated)
     };
     let is_doorway = |example: &GateExample| example.is_doorway;
     // A doorway parts what it joins, whatever the rooms are.
@@ -192,43 +180,8 @@ pub fn learn_gates(
     Ok(GateModel { doorway: learned(is_doorway, progress)?, parting: learned(parts, progress)?, sources })
 }
 
-fn boosted(
-    examples: &[&GateExample],
-    truth: fn(&GateExample) -> Option<bool>,
-    n_rounds: usize,
-    progress: &dyn Progress,
-) -> Result<StrongClassifier, AdaBoostError> {
-    let known: Vec<(&GateExample, bool)> =
-        examples.iter().filter_map(|example| Some((*example, truth(example)?))).collect();
-    let n_figures = known.first().map_or(0, |(example, _)| example.figures.len());
-    let columns = (0..n_figures).map(|figure| known.iter().map(move |(example, _)| example.figures[figure]));
-    let ids = (0..n_figures as u16).map(FeatureId).collect();
-    let table = FeatureTable::from_columns(ids, known.len(), columns.flatten().collect());
-    let rows: Vec<u32> = (0..known.len() as u32).collect();
-    let labels: Vec<Label> = known.iter().map(|&(_, is_true)| Label(u8::from(!is_true))).collect();
-    Ok(adaboost(&table, &rows, &labels, 2, n_rounds, progress)?.swap_remove(0))
-}
-
-/// Slope and offset of the logistic function with the largest likelihood, by Newton's method [Platt 1999]. A step of a thousandth
-/// towards the middle keeps it finite where scores part the examples.
-fn logistic(scored: &[(f64, f64)]) -> (f64, f64) {
-    let (mut slope, mut offset) = (1.0f64, 0.0f64);
-    for _ in 0..100 {
-        let (mut g, mut h) = ([1e-3 * slope, 1e-3 * offset], [1e-3, 0.0, 1e-3]);
-        for &(score, truth) in scored {
-            let p = 1.0 / (1.0 + (-(slope * score + offset)).exp());
-            let weight = p * (1.0 - p);
-            g[0] += (p - truth) * score;
-            g[1] += p - truth;
-            h[0] += weight * score * score;
-            h[1] += weight * score;
-            h[2] += weight;
-        }
-        let determinant = h[0] * h[2] - h[1] * h[1];
-        slope -= (h[2] * g[0] - h[1] * g[1]) / determinant;
-        offset -= (h[0] * g[1] - h[1] * g[0]) / determinant;
-    }
-    (slope, offset)
+fn learned_from(example: &GateExample, truth: fn(&GateExample) -> Option<bool>) -> Answered<'_> {
+    (&example.figures, truth(example))
 }
 
 #[cfg(test)]
@@ -237,6 +190,7 @@ mod tests {
     use crate::doorways::gates;
     use crate::grid::OccupancyGrid;
     use crate::labels::LabelField;
+    use crate::progress::Silent;
 
     /// Two rooms of 3 m by 4 m at 0.1 m, and a door of 0.9 m in the wall between them, in columns 31 and 32 and rows 16 to 24.
     fn two_rooms() -> (OccupancyGrid, FreeSpace) {
@@ -279,16 +233,6 @@ mod tests {
         assert_eq!(unlabeled.is_doorway, None);
         // A doorway drawn over both rooms is not this one.
         assert_ne!(example(|cell| if cell.y < 30 { Some(Label(2)) } else { room }).is_doorway, Some(true));
-    }
-
-    #[test]
-    fn probabilities_are_calibrated() {
-        // Of four examples with score 1 three are true, of four with score -1 one: the logarithm of the odds is ±ln 3.
-        let of =
-            |score: f64, n_true: usize| (0..4).map(move |index| (score, f64::from(u8::from(index < n_true))));
-        let scored: Vec<(f64, f64)> = of(1.0, 3).chain(of(-1.0, 1)).collect();
-        let (slope, offset) = logistic(&scored);
-        assert!((slope - 3f64.ln()).abs() < 2e-3 && offset.abs() < 1e-9, "{slope} {offset}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! A map with labels, and the part of it to learn from.
+//! A map with labels, and the part of it to train on.
 
 use super::TrainError;
 use crate::grid::{Cell, Grid, OccupancyGrid};
@@ -26,13 +26,15 @@ impl Window {
 pub struct LabeledMap {
     /// Name for reports.
     pub name: String,
-    /// The map: scans see all of it.
+    /// The map; scans see all of it.
     pub grid: OccupancyGrid,
-    /// Label of every cell; `None` where there is none, or where it must not be learned from. Labels of cells that
-    /// are not free are passed over.
+    /// Label of every cell; `None` for a cell that has none, or that must not be trained on. Labels of cells that are
+    /// not free are ignored.
     pub labels: Grid<Option<Label>>,
     /// Learn only from cells in here; default: everywhere.
     pub window: Option<Window>,
+    /// The building, where there are several maps of it: they are held out together. Default: one that no other map shows.
+    pub building: Option<String>,
 }
 
 impl LabeledMap {
@@ -57,7 +59,7 @@ impl LabeledMap {
         }
     }
 
-    /// Free cells with a label to learn from, in row-major order.
+    /// Free cells with a label to train on, in row-major order.
     pub fn labeled_cells(&self) -> impl Iterator<Item = (Cell, Label)> + '_ {
         let cells = self.labels.cells().zip(self.labels.values());
         cells.filter_map(|(cell, &label)| {
@@ -67,7 +69,7 @@ impl LabeledMap {
     }
 
     /// The labels with everything outside the window taken out, for counts of neighbors.
-    pub(super) fn inside_window(&self, mut labels: Grid<Option<Label>>) -> Grid<Option<Label>> {
+    pub(crate) fn inside_window(&self, mut labels: Grid<Option<Label>>) -> Grid<Option<Label>> {
         if let Some(window) = &self.window {
             let cells: Vec<Cell> = labels.cells().filter(|&cell| !window.contains(cell)).collect();
             for cell in cells {
@@ -107,7 +109,7 @@ mod tests {
     fn labeled() -> LabeledMap {
         let grid = OccupancyGrid::from_ascii(1.0, "..#");
         let labels = Grid::from_rows(3, 1, vec![Some(Label(0)), Some(Label(2)), Some(Label(1))]);
-        LabeledMap { name: "three".into(), grid, labels, window: None }
+        LabeledMap { name: "three".into(), grid, labels, window: None, building: None }
     }
 
     #[test]

@@ -27,17 +27,17 @@ use crate::progress::Progress;
 /// How an instance-based network is trained.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NetworkConfig {
-    /// Features, scans and thresholds; and how the decision list is trained, if there is one. The number of cells per
-    /// class holds for the list; the network learns from all. Scales must be 1 alone, because a network knows places,
-    /// not single scans.
+    /// Features, scans and thresholds, and the training of the decision list, if there is one. The limit of cells per
+    /// class holds for the list; the network trains on all cells. Scales must be 1 alone, because a network knows
+    /// places, not single scans.
     pub base: TrainConfig,
-    /// What nodes see besides distances.
+    /// Inputs of nodes in addition to distances.
     pub scores: NodeScores,
     /// How the network is trained.
     pub network: IamnConfig,
 }
 
-/// What nodes see besides distances to exemplars.
+/// Inputs of nodes in addition to distances to exemplars.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NodeScores {
     /// Log-confidences of a decision list's classifiers.
@@ -52,7 +52,11 @@ const LIST_CELLS_PER_CLASS: usize = 6000;
 
 impl Default for NetworkConfig {
     fn default() -> Self {
-        let base = TrainConfig { max_cells_per_class: Some(LIST_CELLS_PER_CLASS), ..TrainConfig::default() };
+        let base = TrainConfig {
+            scales: vec![1.0],
+            max_cells_per_class: Some(LIST_CELLS_PER_CLASS),
+            ..TrainConfig::default()
+        };
         let learn = LearnConfig { loss: Loss::Root, ..LearnConfig::default() };
         Self { base, scores: NodeScores::List, network: IamnConfig { learn, ..IamnConfig::default() } }
     }
@@ -71,19 +75,24 @@ impl NetworkConfig {
             ..IamnConfig::default()
         };
         Self {
-            base: TrainConfig { features: features::freiburg203(), ..TrainConfig::default() },
+            base: TrainConfig {
+                features: features::freiburg203(),
+                scales: vec![1.0],
+                max_cells_per_class: None,
+                ..TrainConfig::default()
+            },
             scores: NodeScores::None,
             network,
         }
     }
 }
 
-/// A model and how it came about.
+/// A trained model and its report.
 #[derive(Clone, Debug)]
 pub struct TrainedNetwork {
     /// The model.
     pub model: Model,
-    /// How it came about.
+    /// The training report.
     pub report: NetworkReport,
 }
 
@@ -101,7 +110,7 @@ pub struct NetworkReport {
 /// How the decision list's training went.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListReport {
-    /// What held-out examples said; `None` if no part could be held out.
+    /// Results on held-out examples; `None` if no part could be held out.
     pub validation: Option<Validation>,
     /// Share of its training cells that it labels wrongly.
     pub training_error: f64,
@@ -154,6 +163,7 @@ pub fn train_network(
         label_set: label_set.clone(),
         scan: config.base.scan,
         method: Method::Iamn(NetworkModel { list, network }),
+        doorways: Vec::new(),
         thresholds: config.base.thresholds,
         record: training_record(maps, label_set, config, resolution_m, &report),
     };
@@ -193,7 +203,7 @@ fn list_scores(
     Ok(ListScores { list, report, scores })
 }
 
-/// Log-confidences of all examples, each by the classifiers that did not see its fold; where there are none, by the list itself.
+/// Log-confidences of all examples, each by the classifiers that did not see its fold; if there are none, by the list itself.
 fn cross_fitted(data: &Dataset, list: &DecisionList, validated: Option<&CrossValidated>) -> Vec<f32> {
     let per_example = 2 * list.order.len();
     let n_folds = validated.map_or(0, |validated| validated.classifiers.len());

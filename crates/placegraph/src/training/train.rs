@@ -7,11 +7,10 @@
 //! ([`TrainConfig::chapter`]).
 
 use super::config::{CHAPTER_ROUNDS, CHAPTER_TEMPERATURE};
-use super::validate::{best_order, validate};
-use super::{Dataset, LabeledMap, TrainConfig, TrainError, Validation};
-use crate::boost::{
-    CompiledClassifiers, DecisionList, OrderScore, StrongClassifier, adaboost, search_order, table_scores,
-};
+use super::curve::learning_curve;
+use super::validate::{best_order, orders, validate};
+use super::{CurvePoint, Dataset, LabeledMap, TrainConfig, TrainError, Validation};
+use crate::boost::{CompiledClassifiers, DecisionList, OrderScore, StrongClassifier, boost_on, table_scores};
 use crate::features::FeatureId;
 use crate::labels::{Label, LabelSet};
 use crate::model::{
@@ -25,12 +24,12 @@ pub(super) const SAME_RESOLUTION: f64 = 0.1;
 /// Orders that the model's record lists.
 const RECORDED_ORDERS: usize = 24;
 
-/// A model and how it came about.
+/// A trained model and its report.
 #[derive(Clone, Debug)]
 pub struct Trained {
     /// The model.
     pub model: Model,
-    /// How it came about.
+    /// The training report.
     pub report: TrainingReport,
 }
 
@@ -39,15 +38,17 @@ pub struct Trained {
 pub struct TrainingReport {
     /// Number of examples of each class.
     pub n_examples: Vec<usize>,
-    /// What held-out examples said; `None` if no part could be held out.
+    /// Results on held-out examples; `None` if no part could be held out.
     pub validation: Option<Validation>,
     /// Share of the training cells that the list labels wrongly.
     pub training_error: f64,
     /// The features in use, by falling total vote.
     pub votes: Vec<FeatureVote>,
+    /// The accuracy of models that saw less; empty if it was not asked for.
+    pub curve: Vec<CurvePoint>,
 }
 
-/// How much a feature says.
+/// The weight of a feature.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FeatureVote {
     /// The feature.
@@ -66,14 +67,26 @@ pub fn train(
     config: &TrainConfig,
     progress: &dyn Progress,
 ) -> Result<Trained, TrainError> {
+    config.check_base(label_set)?;
     config.validate()?;
     let data = Dataset::build(maps, label_set, config, progress)?;
     let validation = validate(&data, config, progress).map(|validated| validated.validation);
     let (list, training_error) = train_list(&data, validation.as_ref(), label_set, config, progress)?;
-    let (compatibility, resolution_m) = compatibility(maps, label_set, config);
+    let curve = match &validation {
+        Some(validation) if config.learning_curve => {
+            let blocks = data.blocks(maps, config.block_m);
+            learning_curve(&data, &blocks, validation, config, progress)
+        }
+        _ => Vec::new(),
+    };
+    let (compatibility, resolution_m) = match config.base.as_ref().map(|base| (&base.method, base)) {
+        Some((Method::Boosted(boosted), base)) => (boosted.compatibility.clone(), base.record.resolution_m),
+        _ => compatibility(maps, label_set, config),
+    };
+    let known = config.base.iter().flat_map(|base| base.record.maps.iter().cloned());
     let record = TrainingRecord {
         program_version: env!("CARGO_PKG_VERSION").to_owned(),
-        maps: maps.iter().map(|map| map.record(label_set)).collect(),
+        maps: known.chain(maps.iter().map(|map| map.record(label_set))).collect(),
         resolution_m,
         training_error,
         validation: validation.as_ref().map(|validation| record(validation, label_set)),
@@ -86,12 +99,14 @@ pub fn train(
         validation,
         training_error,
         votes: votes(&list.classifiers),
+        curve,
     };
     let boosted = BoostedModel { list, relaxation: config.relaxation, compatibility };
     let model = Model {
         label_set: label_set.clone(),
         scan: config.scan,
         method: Method::Boosted(boosted),
+        doorways: config.base.as_ref().map_or_else(Vec::new, |base| base.doorways.clone()),
         thresholds: config.thresholds,
         record,
     };
@@ -106,17 +121,19 @@ pub(super) fn train_list(
     config: &TrainConfig,
     progress: &dyn Progress,
 ) -> Result<(DecisionList, f64), TrainError> {
-    // Where nothing could be held out, the chapter's numbers stand in for a choice.
+    // Where nothing could be held out, the chapter's numbers stand in for a choice, or the model to start from as it is.
+    let chapter_rounds = if config.base.is_some() { 0 } else { CHAPTER_ROUNDS };
     let (n_rounds, temperature) = validation.map_or_else(
-        || (config.rounds.set_or(CHAPTER_ROUNDS), config.temperature.set_or(CHAPTER_TEMPERATURE)),
+        || (config.rounds.set_or(chapter_rounds), config.temperature.set_or(CHAPTER_TEMPERATURE)),
         |validation| (validation.n_rounds, validation.temperature),
     );
     progress.begin(Stage::Boost);
     let labels = data.labels();
     let rows: Vec<u32> = (0..labels.len() as u32).collect();
-    let classifiers = adaboost(&data.table, &rows, &labels, label_set.len(), n_rounds, progress)?;
+    let base = config.base_classifiers(label_set.len());
+    let classifiers = boost_on(&data.table, &rows, &labels, &base, n_rounds, progress)?;
     let scores = table_scores(&data.table, &rows, &CompiledClassifiers::new(&classifiers));
-    let on_training = search_order(&scores, &labels, &data.cells_per_example, temperature);
+    let on_training = orders(&scores, &labels, data, temperature, config);
     let order = best_order(validation.map_or(&on_training, |validation| &validation.orders)).order.clone();
     let accuracy = on_training.iter().find(|score| score.order == order).map_or(0.0, |score| score.accuracy);
     Ok((DecisionList { order, classifiers, temperature }, 1.0 - accuracy))

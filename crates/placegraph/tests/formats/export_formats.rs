@@ -29,8 +29,8 @@ const THREE_SIDES: &str = "
     ##############
 ";
 
-fn rmf_info() -> RmfInfo {
-    RmfInfo { building: "drawn".into(), level: "L1".into(), background: "map.png".into() }
+fn rmf(building: &Building) -> RmfBuilding<'_> {
+    RmfBuilding::of_level("drawn", "L1", &building.map, building.shape(), "home.png")
 }
 
 fn sheet(building: &Building, rotated: Rotated) -> MaskSheet {
@@ -202,7 +202,7 @@ fn limits_that_a_cell_cannot_hold_are_refused() {
 #[test]
 fn a_lane_names_the_door_that_it_crosses() {
     let building = building::from_drawing(THREE_SIDES, TURNED);
-    let bytes = rmf_nav_graph(&building.map, &building.shape(), &rmf_info()).unwrap();
+    let bytes = rmf_nav_graph(&rmf(&building)).unwrap();
     let graph: serde_json::Value = serde_saphyr::from_slice(&bytes).unwrap();
     let point = |value: &serde_json::Value| [0, 1].map(|axis| value[axis].as_f64().unwrap());
     let level = &graph["levels"]["L1"];
@@ -334,7 +334,7 @@ fn what_is_cut_off_is_closed_and_in_no_graph() {
     assert_eq!(cell(&named), 0, "unless the place is named");
     for graph in [
         nav2_route(&building.map, "map").unwrap(),
-        rmf_nav_graph(&building.map, &building.shape(), &rmf_info()).unwrap(),
+        rmf_nav_graph(&rmf(&building)).unwrap(),
         tmap2(&building.map, &tmap_info()).unwrap(),
     ] {
         let text = String::from_utf8(graph).unwrap();
@@ -376,11 +376,8 @@ fn segments_are_the_rooms_in_both_lists() {
 fn the_building_lies_on_its_background() {
     let building = building::drawn(Pose2::new(-3.0, 2.0, 0.4));
     let shape = building.shape();
-    let info = RmfInfo { background: "home.png".into(), ..rmf_info() };
-    let file: serde_json::Value = serde_saphyr::from_str(
-        &String::from_utf8(rmf_building(&building.map, &shape, &info).unwrap()).unwrap(),
-    )
-    .unwrap();
+    let file: serde_json::Value =
+        serde_saphyr::from_str(&String::from_utf8(rmf_building(&rmf(&building)).unwrap()).unwrap()).unwrap();
     let level = &file["levels"]["L1"];
     let layer = &level["layers"]["map"];
     assert_eq!(layer["filename"], "home.png");

@@ -121,3 +121,12 @@ fn no_input_makes_a_reader_panic() {
         }
     });
 }
+
+#[test]
+fn every_target_has_a_program() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../placegraph-fuzz/Cargo.toml");
+    let manifest = fs::read_to_string(path).unwrap();
+    for (target, _) in TARGETS {
+        assert!(manifest.contains(&format!("[[bin]]\nname = \"{target}\"\n")), "no program runs {target}");
+    }
+}

@@ -122,7 +122,7 @@ fn how_the_map_was_read_is_told() {
         "704 cells, 25.0 %",
         "trust its thresholds",
         "28 pixels (1.0 %)",
-        "/home/someone/map.pgm, which is not there; map.pgm beside it was read",
+        "/home/someone/map.pgm, which is not there; map.pgm next to the YAML file was read instead",
     ] {
         assert!(text.contains(words), "{words}: {text}");
     }

@@ -33,7 +33,7 @@ fn error_text(bytes: &[u8], size: (u32, u32)) -> String {
 fn another_size_depth_or_format_is_an_error() {
     let text = error_text(b"P2 3 2 255  0 1 2  0 1 1", (2, 3));
     assert!(text.contains("2 x 3") && text.contains("found 3 x 2"), "{text}");
-    let wide = read_labels(b"P2 1 1 65535 1", (1, 1), &classes());
+    let wide = read_labels(b"P2 1 1 65535 300", (1, 1), &classes());
     assert!(matches!(wide, Err(LabelImageError::PixelType { .. })));
     assert!(matches!(read_labels(b"text", (1, 1), &classes()), Err(LabelImageError::Image(_))));
     assert!(matches!(read_rooms(b"P3 1 1 255 1 1 1", (1, 1)), Err(LabelImageError::PixelType { .. })));

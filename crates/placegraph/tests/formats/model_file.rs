@@ -46,6 +46,14 @@ fn model(n_stumps: usize) -> Model {
             relaxation: RelaxConfig::default(),
             compatibility: Compatibility::from_rows(rows).unwrap(),
         }),
+        doorways: vec![WeightedStump {
+            stump: DecisionStump {
+                feature: placegraph::features::FeatureId(2),
+                threshold: 0.5,
+                polarity: Polarity::Above,
+            },
+            alpha: 0.25,
+        }],
         thresholds: Thresholds::default(),
         record: TrainingRecord {
             resolution_m: 0.05,
@@ -157,7 +165,10 @@ fn what_is_not_exactly_a_model_is_refused() {
     assert!(matches!(spoiled("/method", json!({ "unheard": {} })), E::Json { .. }));
 
     let error = spoiled(&boosted("features/0"), json!("A99"));
-    assert_eq!(error.to_string(), "expected a feature of this version's registry, found \"A99\"");
+    assert_eq!(
+        error.to_string(),
+        "the model uses the feature \"A99\", which this version of placegraph does not have"
+    );
     let first = serde_json::from_slice::<Value>(&model(3).to_json()).unwrap();
     let first = first.pointer("/method/boosted/features/0").unwrap().clone();
     assert!(matches!(spoiled(&boosted("features/1"), first), E::Twice { of: "features", .. }));
@@ -188,7 +199,7 @@ fn what_is_not_exactly_a_network_is_refused() {
     };
     let name = &features::all()[9].feature().name;
     refused("features/1", json!(name), "each once in features");
-    refused("features/1", json!("A99"), "found \"A99\"");
+    refused("features/1", json!("A99"), "the feature \"A99\"");
     refused("features", json!([]), "at least one");
     refused("n_neighbors", json!(0), "1 to 1000");
     refused("n_neighbors", json!(2), "values in weights.node");

@@ -156,6 +156,51 @@ fn what_contradicts_itself_in_numbers_and_names_is_refused() {
     assert!(route(ends(&document()), straight_m).is_ok());
     assert!(matches!(route(Vec::new(), 1.0), Err(E::Route { n_points: 0, .. })));
     assert!(matches!(route(ends(&document()), straight_m - 0.2), Err(E::Route { n_points: 2, .. })));
+    // The second connection is that of the room: nothing of the corridor lies there.
+    assert!(
+        changed(|d| d.connections[1].route = Some(Route::along(vec![d.places[1].anchor, d.places[2].anchor])))
+            .is_ok()
+    );
+    let elsewhere = changed(|d| {
+        d.connections[1].route = Some(Route::along(vec![d.places[0].anchor, d.places[2].anchor]));
+    });
+    assert!(matches!(elsewhere, Err(E::RouteEnd { place: 2, .. })), "{elsewhere:?}");
+    let backwards = changed(|d| {
+        d.connections[1].route = Some(Route::along(vec![d.places[2].anchor, d.places[1].anchor]));
+    });
+    assert!(matches!(backwards, Err(E::RouteEnd { .. })), "{backwards:?}");
+    let jambs = changed(|d| {
+        let doorway = d.places[2].doorway.as_mut().unwrap();
+        doorway.jambs[1] = doorway.jambs[0];
+    });
+    assert!(matches!(jambs, Err(E::Jambs { place: 3, .. })), "{jambs:?}");
+}
+
+/// How a test reaches a point of a document.
+type PointOf = fn(&mut TopologyDocument) -> &mut Point2;
+
+#[test]
+fn points_lie_in_the_map() {
+    let points: [(&str, PointOf); 7] = [
+        ("the anchor", |d| &mut d.places[0].anchor),
+        ("the centroid", |d| &mut d.places[1].centroid),
+        ("a corner of the outline", |d| &mut d.places[1].outline[0].exterior[2]),
+        ("the jambs", |d| &mut d.places[2].doorway.as_mut().unwrap().jambs[1]),
+        ("the middle", |d| &mut d.connections[0].middle),
+        ("the route", |d| d.connections[1].route.as_mut().unwrap().line.first_mut().unwrap()),
+        ("the route", |d| d.connections[1].route.as_mut().unwrap().line.last_mut().unwrap()),
+    ];
+    let frame = document().map.shape().unwrap().frame;
+    for (of, point) in points {
+        // Columns and rows of the map of 9 x 3 cells, and more than a cell beyond each side.
+        for cell in [(-1.1, 1.0), (10.1, 1.0), (4.0, -1.1), (4.0, 4.1), (1e9, 1.0), (4.0, -1e9)] {
+            let outside = changed(|d| *point(d) = frame.map_from_cells(Point2::new(cell.0, cell.1)));
+            assert!(
+                matches!(&outside, Err(TopologyError::Point { of: found, .. }) if found.starts_with(of)),
+                "{of} at {cell:?}: {outside:?}"
+            );
+        }
+    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Pages and comments cite source files and test programs: each must exist.
+//! Pages and comments cite source files, test programs and tests: each must exist.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -67,4 +67,43 @@ fn cited_test_programs_exist() {
         }
     }
     assert!(n_cited > 3, "only {n_cited} cited commands were found");
+}
+
+/// Tests in backticks, `file::name` or `file::tests::name`: the last file or module, and the function.
+fn cited_tests(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    let quoted = text.lines().flat_map(|line| line.split('`').skip(1).step_by(2));
+    quoted.filter_map(|cited| {
+        let (module, name) = cited.rsplit_once("::")?;
+        let is_name =
+            |text: &str| text.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'_');
+        let module = module.trim_end_matches("::tests");
+        let module = module.rsplit("::").next().filter(|module| is_name(module))?;
+        (is_name(name) && name.contains('_')).then_some((module, name))
+    })
+}
+
+#[test]
+fn cited_tests_exist() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let mut sources = Vec::new();
+    files_below(&root, &[".rs", ".py", ".mjs"], &mut sources);
+    let sources: Vec<(String, String)> = sources
+        .into_iter()
+        .map(|path| (path.to_string_lossy().replace('\\', "/"), fs::read_to_string(path).unwrap()))
+        .collect();
+    let is_test = |module: &str, name: &str| {
+        sources.iter().any(|(path, text)| {
+            let is_of = path.contains(&format!("/{module}/")) || path.contains(&format!("/{module}."));
+            let declarations = [format!("fn {name}("), format!("def {name}(")];
+            is_of && declarations.iter().any(|declaration| text.contains(declaration))
+        })
+    };
+    for (page, least) in [("docs/reliability.md", 20), ("docs/dev/faults.md", 80)] {
+        let text = fs::read_to_string(root.join(page)).unwrap();
+        let cited: Vec<_> = cited_tests(&text).collect();
+        assert!(cited.len() >= least, "{page} cites only {} tests", cited.len());
+        for (module, name) in cited {
+            assert!(is_test(module, name), "{page} cites {module}::{name}");
+        }
+    }
 }

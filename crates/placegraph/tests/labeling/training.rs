@@ -1,12 +1,14 @@
 //! Training on a drawn building.
 
+use std::sync::Mutex;
+
 use placegraph::amn::IamnConfig;
 use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, FreeSpace, Grid, MapFrame, OccupancyGrid};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::model::{Method, Model};
 use placegraph::pipeline::{classify, smooth};
-use placegraph::progress::Silent;
+use placegraph::progress::{Progress, Silent, Stage};
 use placegraph::training::{
     Choice, Dataset, LabeledMap, NetworkConfig, NodeScores, TrainConfig, TrainError, Window, train,
     train_network,
@@ -42,12 +44,54 @@ fn building() -> LabeledMap {
     let label = |letter: char| "crd".find(letter).map(|k| Label(k as u8));
     let values = lines.rev().flat_map(|line| line.chars().map(label)).collect();
     let labels = Grid::from_rows(grid.cells.width(), grid.cells.height(), values);
-    LabeledMap { name: "drawn".into(), grid, labels, window: None }
+    LabeledMap { name: "drawn".into(), grid, labels, window: None, building: None }
 }
 
 /// Few rounds, so that the tests are short.
 fn config() -> TrainConfig {
-    TrainConfig { rounds: Choice::Among(vec![5, 20]), block_m: 2.5, ..TrainConfig::default() }
+    TrainConfig {
+        rounds: Choice::Among(vec![5, 20]),
+        block_m: 2.5,
+        scales: vec![1.0],
+        max_cells_per_class: None,
+        ..TrainConfig::default()
+    }
+}
+
+/// Shares of every stage, as reported.
+#[derive(Default)]
+struct Shares(Mutex<Vec<(Stage, Vec<f64>)>>);
+
+impl Progress for Shares {
+    fn begin(&self, stage: Stage) {
+        self.0.lock().unwrap().push((stage, Vec::new()));
+    }
+
+    fn advance(&self, done: usize, total: usize) {
+        self.0.lock().unwrap().last_mut().unwrap().1.push(done as f64 / total as f64);
+    }
+}
+
+/// Folds take long: whoever waits sees every round of each, and the bar of a stage never starts over.
+#[test]
+fn progress_of_a_stage_covers_all_of_its_parts() {
+    let shares = Shares::default();
+    let config = TrainConfig { scales: vec![1.0, 2.0], ..config() };
+    train(&[building()], &LabelSet::default(), &config, &shares).unwrap();
+    let stages = shares.0.into_inner().unwrap();
+    let names: Vec<Stage> = stages.iter().map(|(stage, _)| *stage).collect();
+    assert_eq!(names, [Stage::Features, Stage::Validate, Stage::Boost]);
+    for (stage, shares) in stages {
+        let n_at_least = if stage == Stage::Features { 2 } else { 20 };
+        assert!(shares.len() >= n_at_least, "{stage}: {shares:?}");
+        assert!(shares.is_sorted() || stage == Stage::Features, "{stage}: {shares:?}");
+        let (first_half, second_half) = shares.split_at(shares.len() / 2);
+        let largest = |shares: &[f64]| shares.iter().copied().fold(0.0, f64::max);
+        assert!(
+            largest(first_half) <= largest(second_half) && largest(second_half) <= 1.0,
+            "{stage}: {shares:?}"
+        );
+    }
 }
 
 fn error(maps: &[LabeledMap], config: &TrainConfig) -> TrainError {

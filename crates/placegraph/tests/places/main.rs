@@ -5,9 +5,12 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::print_stdout, reason = "helpers of tests")]
 
 mod building;
+mod hard_maps;
 mod metamorphic;
 mod regions_correction;
 mod regions_oracles;
+mod session;
+mod site;
 mod topology_align;
 mod topology_doorways;
 mod topology_edits;

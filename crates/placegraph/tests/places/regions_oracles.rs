@@ -5,7 +5,9 @@ use imageproc::region_labelling::{Connectivity, connected_components};
 use placegraph::geom::Pose2;
 use placegraph::grid::{Cell, CellGraph, FreeSpace, Grid, MapFrame, Occupancy};
 use placegraph::labels::{Class, Label, LabelSet, Role};
-use placegraph::regions::{DiagonalSteps, Thresholds, connected, contacts, correct, properties};
+use placegraph::regions::{
+    DiagonalSteps, RegionId, Thresholds, connected, contacts, correct, label_islands, properties,
+};
 use placegraph_testkit::regions as oracle;
 use proptest::prelude::*;
 
@@ -107,6 +109,18 @@ proptest! {
         let again = correct(&space, &found.regions, &label_set(), &thresholds);
         prop_assert_eq!(&again.regions, &found.regions);
         prop_assert_eq!(again.places.n_regions + again.doorways.n_regions, 0);
+    }
+
+    /// Whatever regions are called islands.
+    #[test]
+    fn islands_take_the_label_that_all_pairs_of_cells_say(map in maps(), one_in in 1u32..4, first in 0u32..4) {
+        let regions = connected(&map.graph, &map.labels, DiagonalSteps::default());
+        let ids = (0..regions.regions.len() as u32).map(RegionId);
+        let islands: Vec<RegionId> = ids.filter(|id| (id.0 + first).is_multiple_of(one_in)).collect();
+        let expected = oracle::labels_of_islands(&map.graph, &regions, &islands);
+        let found = label_islands(&map.graph, regions, &islands);
+        let found: Vec<Label> = found.regions.iter().map(|region| region.label).collect();
+        prop_assert_eq!(found, expected);
     }
 
     #[test]

@@ -340,3 +340,37 @@ fn what_is_excluded_is_no_place() {
     assert_eq!(number_at(&building, &result, 40, 15), None);
     assert_eq!(numbers(&result).len(), building.map.places.len() - 1);
 }
+
+/// Two rooms with two gaps in the wall between them.
+const LOOP: &str = "
+    ?????????????????
+    ?###############?
+    ?#rrrrrr#rrrrrr#?
+    ?#rrrrrr#rrrrrr#?
+    ?#rrrrrrrrrrrrr#?
+    ?#rrrrrrrrrrrrr#?
+    ?#rrrrrrrrrrrrr#?
+    ?#rrrrrr#rrrrrr#?
+    ?#rrrrrr#rrrrrr#?
+    ?#rrrrrrrrrrrrr#?
+    ?#rrrrrrrrrrrrr#?
+    ?#rrrrrrrrrrrrr#?
+    ?#rrrrrr#rrrrrr#?
+    ?#rrrrrr#rrrrrr#?
+    ?###############?
+    ?????????????????
+";
+
+#[test]
+fn a_doorway_parts_its_sides_though_there_is_another_way_around() {
+    let building = building::from_drawing(LOOP, Pose2::default());
+    let line = |low: u32, high: u32| {
+        edit("add_doorway", &format!("line = [{}, {}]", at(&building, 8, low), at(&building, 8, high)))
+    };
+    let one = edited(&building, &line(9, 11));
+    assert!(all_applied(&one), "{:?}", one.outcomes);
+    assert_eq!(class_sizes(&one).len(), 2, "a doorway, and the rooms around it are still one");
+    let both = edited(&building, &[line(9, 11), line(4, 6)].concat());
+    assert!(all_applied(&both), "{:?}", both.outcomes);
+    assert_eq!(class_sizes(&both).iter().filter(|size| size.0 == 1).count(), 2, "two rooms");
+}

@@ -62,6 +62,9 @@ fn routes_between_all_places_are_as_short_as_petgraph_finds_them() {
         let length_m = connection.route.as_ref().map_or(f64::INFINITY, |route| route.length_m);
         graph.add_edge(nodes[&connection.a], nodes[&connection.b], length_m);
     }
+    for way in &map.shortcuts {
+        graph.add_edge(nodes[&way.a], nodes[&way.b], way.route.length_m);
+    }
     let index = RouteIndex::new(map);
     let mut n_routes = 0;
     for from in map.places.iter().map(|place| place.id) {

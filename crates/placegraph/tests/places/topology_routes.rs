@@ -8,18 +8,20 @@ use placegraph::grid::{Cell, CellGraph, Grid, MapFrame, Occupancy, OccupancyGrid
 use placegraph::labels::{Label, LabelSet};
 use placegraph::regions::{DiagonalSteps, connected};
 use placegraph::topology::TopologicalMap;
+use placegraph::topology::query::find_route;
 use placegraph_testkit::segments::cells_on_segment;
 use proptest::prelude::*;
 
 /// Every cell that a route touches, with the rounding of the way to the map frame and back left out.
 fn assert_free(grid: &OccupancyGrid, map: &TopologicalMap) -> usize {
     let mut n_legs = 0;
-    for connection in &map.connections {
-        for ends in connection.route.iter().flat_map(|route| route.line.windows(2)) {
+    let routes = map.connections.iter().filter_map(|c| Some((c.a, c.b, c.route.as_ref()?)));
+    for (from, to, route) in routes.chain(map.shortcuts.iter().map(|way| (way.a, way.b, &way.route))) {
+        for ends in route.line.windows(2) {
             let [a, b] = [ends[0], ends[1]].map(|point| grid.frame.cells_from_map(point));
             for (x, y) in cells_on_segment(a, b, 1e-6) {
                 let free = grid.is_free(Cell::new(x as u32, y as u32));
-                assert!(free, "{:?} to {:?} touches ({x}, {y})", connection.a, connection.b);
+                assert!(free, "{from:?} to {to:?} touches ({x}, {y})");
             }
             n_legs += 1;
         }
@@ -74,6 +76,48 @@ fn an_open_way_is_a_straight_line() {
 fn cells_that_meet_at_a_corner_only_have_no_route() {
     let building = building::from_letters(&Grid::from_rows(2, 2, b"r##c".to_vec()), Pose2::default());
     assert!(building.map.connections.iter().all(|connection| connection.route.is_none()));
+}
+
+/// A hall of 10 by 2.5 m whose middle, its station, lies 4 m from two doors side by side at its left end; a third door is at its
+/// right end.
+const HALL: &str = "
+    ##########################################
+    #rrrr#rrrr###########################rrrr#
+    #rrrr#rrrr###########################rrrr#
+    ##dd###dd#############################dd##
+    #cccccccccccccccccccccccccccccccccccccccc#
+    #cccccccccccccccccccccccccccccccccccccccc#
+    #cccccccccccccccccccccccccccccccccccccccc#
+    #cccccccccccccccccccccccccccccccccccccccc#
+    #cccccccccccccccccccccccccccccccccccccccc#
+    #cccccccccccccccccccccccccccccccccccccccc#
+    #cccccccccccccccccccccccccccccccccccccccc#
+    #cccccccccccccccccccccccccccccccccccccccc#
+    #cccccccccccccccccccccccccccccccccccccccc#
+    #cccccccccccccccccccccccccccccccccccccccc#
+    ##########################################
+";
+
+#[test]
+fn neighboring_doors_of_a_hall_have_a_way_of_their_own() {
+    let building = building::from_drawing(HALL, Pose2::new(2.0, -1.0, 0.7));
+    let map = &building.map;
+    let [left, second, right] = [3, 8, 39].map(|x| building.place_at(x, 11).id);
+    let hall = building.place_at(20, 5).id;
+    let way = map.shortcuts.iter().find(|way| (way.a, way.b) == (left.min(second), left.max(second)));
+    let way = way.expect("a way from door to door");
+    assert_eq!(way.within, hall);
+    // 5 letters of a quarter of a meter, and half a meter at the most to get past the corners of the doors.
+    assert!((1.25..1.75).contains(&way.route.length_m), "{}", way.route.length_m);
+    let ends = [way.route.line[0], *way.route.line.last().unwrap()];
+    assert_eq!(ends, [way.a, way.b].map(|id| map.station(map.place(id).unwrap())));
+    // The way to the far door passes the second one: of the left door it is no neighbor.
+    assert!(map.shortcuts.iter().all(|way| (way.a, way.b) != (left.min(right), left.max(right))));
+    let route = find_route(map, left, second).unwrap();
+    assert_eq!((route.places, route.length_m), (vec![left, hall, second], way.route.length_m));
+    // That doorway is passed, and not gone through.
+    assert_eq!(find_route(map, left, right).unwrap().places, [left, hall, right]);
+    assert_free(&building.grid, map);
 }
 
 proptest! {

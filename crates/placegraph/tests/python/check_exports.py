@@ -23,7 +23,9 @@ import networkx
 import numpy
 import pydot
 import yaml
+from mcap_ros2.reader import read_ros2_messages
 from PIL import Image
+from rosbags.highlevel import AnyReader
 from shapely.geometry import LineString, Point, Polygon
 
 # What the published schema of topological maps asks for.
@@ -400,6 +402,47 @@ def report(folder):
     return f"{probe['rows']} places"
 
 
+def recording(folder):
+    path = folder.file("semantic_map.mcap")
+    by_topic = {found.channel.topic: found for found in read_ros2_messages(str(path))}
+    map = folder.document["map"]
+    for topic in ("/map", "/placegraph/labels", "/placegraph/regions"):
+        grid = by_topic[topic].ros_msg
+        assert (grid.info.width, grid.info.height) == (map["width"], map["height"]), topic
+        assert grid.header.frame_id == map["frame_id"] and abs(grid.info.resolution - map["resolution_m"]) < 1e-6
+        position, turn = grid.info.origin.position, grid.info.origin.orientation
+        yaw = 2 * math.atan2(turn.z, turn.w)
+        assert math.isclose(position.x, map["origin"]["x"]) and math.isclose(position.y, map["origin"]["y"])
+        assert math.isclose(yaw, map["origin"]["yaw_rad"], abs_tol=1e-9), yaw
+    with Image.open(folder.file("regions.png")) as image:
+        regions = numpy.asarray(image).astype(int)
+    shape = regions.shape
+    found = numpy.array(by_topic["/placegraph/regions"].ros_msg.data).reshape(shape)[::-1]
+    numpy.testing.assert_array_equal(found, numpy.where(regions == 0, -1, (regions - 1) % 100 + 1))
+    with Image.open(folder.file("labels.png")) as image:
+        labels = numpy.asarray(image).astype(int)
+    found = numpy.array(by_topic["/placegraph/labels"].ros_msg.data).reshape(shape)[::-1]
+    numpy.testing.assert_array_equal(found, numpy.where(regions == 0, -1, labels))
+    places = {place["id"]: place for place in folder.document["places"]}
+    markers = by_topic["/placegraph/markers"].ros_msg.markers
+    assert markers[0].action == 3 and all(marker.action == 0 for marker in markers[1:])
+    names = {marker.id: marker.text for marker in markers if marker.ns == "names"}
+    doors = {marker.id: marker for marker in markers if marker.ns == "doors"}
+    assert names == {number: place["name"] for number, place in places.items() if "doorway" not in place}
+    for number, marker in doors.items():
+        jambs = places[number]["doorway"]["jambs"]
+        assert [(p.x, p.y) for p in marker.points] == [(jamb["x"], jamb["y"]) for jamb in jambs]
+        if folder.truth and places[number]["name"] == folder.truth["doorway"]:
+            folder.near_truth(*(sum(jamb[axis] for jamb in jambs) / 2 for axis in "xy"))
+    assert json.loads(by_topic["/placegraph/topology"].ros_msg.data)["places"] == folder.document["places"]
+    with AnyReader([path]) as reader:
+        latched = [connection.topic for connection in reader.connections if "transient_local" in str(connection.ext.offered_qos_profiles).lower()]
+        assert sorted(latched) == sorted(by_topic), latched
+        sizes = [reader.deserialize(raw, connection.msgtype) and connection.topic for connection, _, raw in reader.messages()]
+    assert sorted(sizes) == sorted(by_topic)
+    return f"{len(markers)} markers, {len(by_topic)} topics"
+
+
 CHECKS = {
     "frames": frames,
     "Nav2 route graph": nav2,
@@ -414,6 +457,7 @@ CHECKS = {
     "zone mask": mask("zones"),
     "all masks": filters,
     "vector shapes": shapes,
+    "recording in mcap-ros2-support and rosbags": recording,
     "SVG": svg,
     "report in Chromium": report,
 }

@@ -4,13 +4,14 @@ use std::path::Path;
 
 use anyhow::{Context, Result, ensure};
 use placegraph::eval::{CellScores, Confusion, DoorCounts, DoorScores, RoomScores, room_scores};
-use placegraph::grid::{CellGraph, Grid, Occupancy};
-use placegraph::import::{self, LabelCell, LabelCoding};
+use placegraph::grid::{CellGraph, Grid, MapFrame, Occupancy};
+use placegraph::import::{self, LabelTarget};
 use placegraph::labels::{Label, LabelSet};
 use placegraph::regions::{DiagonalSteps, Region, RegionId, RegionMap};
 use serde::Serialize;
 
 use crate::args::CropArg;
+use crate::classes::{self, Classes};
 use crate::read;
 
 /// Largest image that is judged.
@@ -25,6 +26,8 @@ pub(super) struct Pair<'a> {
     pub(super) crop: Option<CropArg>,
     /// Meters per pixel, for doors.
     pub(super) resolution_m: Option<f64>,
+    /// Where the pixels are, for true labels in meters.
+    pub(super) frame: Option<MapFrame>,
 }
 
 /// What was counted on one map.
@@ -56,10 +59,16 @@ impl Judged {
 
 impl Pair<'_> {
     /// Reads the images and compares them.
-    pub(super) fn judge(&self, label_set: &LabelSet) -> Result<Judged> {
-        let predicted = labels(self.prediction, None, label_set)?;
-        let size = (predicted.width(), predicted.height());
-        let mut truth = labels(self.labels, Some(size), label_set)?;
+    pub(super) fn judge(&self, classes: &Classes) -> Result<Judged> {
+        let Classes { label_set, coding } = classes;
+        let bytes = read::image(self.prediction, MAX_PIXELS)?;
+        let in_file = || format!("in {}", self.prediction.display());
+        let size = import::image_size(&bytes, MAX_PIXELS).with_context(in_file)?;
+        let name = self.labels.file_stem().unwrap_or_default().to_string_lossy();
+        let target = LabelTarget { name: &name, size, frame: self.frame, coding };
+        let predicted = import::read_labels(&bytes, size, coding).with_context(in_file)?;
+        let predicted = predicted.map(|cell| cell.class());
+        let mut truth = classes::labels(self.labels, MAX_PIXELS, &target)?.map(|cell| cell.class());
         if let Some(crop) = self.crop {
             keep_only(crop, &mut truth)?;
         }
@@ -81,18 +90,6 @@ impl Pair<'_> {
             rooms,
         })
     }
-}
-
-/// The labels in the image at `path`; `size` of the map if it is known.
-fn labels(path: &Path, size: Option<(u32, u32)>, label_set: &LabelSet) -> Result<Grid<Option<Label>>> {
-    let bytes = read::image(path, MAX_PIXELS)?;
-    let in_file = || format!("in {}", path.display());
-    let size = size.map_or_else(|| import::image_size(&bytes, MAX_PIXELS), Ok).with_context(in_file)?;
-    let cells = import::read_labels(&bytes, size, &LabelCoding::of(label_set)).with_context(in_file)?;
-    Ok(cells.map(|cell| match cell {
-        LabelCell::Class(label) => Some(*label),
-        LabelCell::None | LabelCell::Ignore => None,
-    }))
 }
 
 fn ids(path: &Path, size: (u32, u32)) -> Result<Grid<u32>> {

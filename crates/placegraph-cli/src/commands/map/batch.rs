@@ -16,6 +16,7 @@ use super::table::Table;
 use crate::commands::Outcome;
 use crate::document::fixed_time;
 use crate::guard::guarded;
+use crate::hints::Advice;
 use crate::output::Committed;
 use crate::progress::{MapCounter, Watch};
 use crate::read;
@@ -41,7 +42,7 @@ impl Done {
         }
     }
 
-    /// The time of its stages together; none where results must not tell the clock.
+    /// The time of its stages together; none if results must not depend on the clock.
     pub(super) fn seconds(&self) -> Option<f64> {
         let is_told = !self.timings.is_empty() && fixed_time().is_none();
         is_told.then(|| self.timings.iter().map(|(_, time)| time.as_secs_f64()).sum())
@@ -50,7 +51,7 @@ impl Done {
     /// What people must know of the result and of what was removed.
     pub(super) fn remarks(&self) -> Vec<String> {
         let removed = self.changed.as_ref().and_then(|changed| removal(&changed.removed));
-        result::remarks(&self.document).into_iter().chain(removed).collect()
+        result::remarks(&self.document, &Advice::default()).into_iter().chain(removed).collect()
     }
 }
 
@@ -121,7 +122,7 @@ fn label(job: &Job, setup: &Setup<'_>) -> Result<Done> {
             changed: resumed.changed,
         });
     }
-    let Labeled { mut document, analysis, timings } =
+    let Labeled { mut document, analysis, timings, advice: _ } =
         result::label(&map, setup, &context, &Watch::without_bar())?;
     let files = result::files(&map, &mut document, &analysis, setup, &context)?;
     let changes = changes::lines(&analysis.changes, &analysis.topology, context.config.previous.as_ref());

@@ -75,11 +75,13 @@ mod tests {
                 place(7, "room", Role::Place),
             ],
             connections: Vec::new(),
+            shortcuts: Vec::new(),
             last_id: PlaceId(0),
         };
         let map = TopologicalMap {
             places: vec![place(6, "room", Role::Place)],
             connections: Vec::new(),
+            shortcuts: Vec::new(),
             last_id: PlaceId(0),
         };
         let line = |from: &[u32]| {

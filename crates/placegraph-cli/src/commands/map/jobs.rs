@@ -24,7 +24,7 @@ pub(super) struct Job {
 
 /// The maps of a run: those named by `paths`, and all in the folders that are named, for results in `out`.
 ///
-/// A single map has its result in `out` itself. Others are called by their file, with as much of their path as tells
+/// A single map has its result in `out` itself. Others are called by their file, with as much of their path as distinguishes
 /// them apart; those found in a folder by their path in it. A file that is just called `map` is called by
 /// its folder.
 pub(super) fn jobs(paths: &[PathBuf], out: &Path) -> Result<Vec<Job>> {
@@ -66,7 +66,7 @@ pub(super) fn jobs(paths: &[PathBuf], out: &Path) -> Result<Vec<Job>> {
             let is_table = |name: &&str| parts.first().is_some_and(|first| first == *name);
             if let Some(name) = table::NAMES.iter().find(|name| is_table(name)) {
                 bail!(
-                    "the result of {} would take the name of the table {name}: rename the map",
+                    "the folder of the result of {} would be called like the table {name}: rename the map",
                     map.display()
                 );
             }
@@ -76,7 +76,7 @@ pub(super) fn jobs(paths: &[PathBuf], out: &Path) -> Result<Vec<Job>> {
         .collect()
 }
 
-/// `files` with their names, each with as many folders above it as tell it apart from the others.
+/// `files` with their names, each with as many folders above it as distinguish it from the others.
 fn told_apart(files: &[&PathBuf]) -> Result<Vec<(PathBuf, Vec<OsString>)>> {
     let paths: Vec<Vec<OsString>> = files
         .iter()
@@ -112,7 +112,7 @@ fn told_apart(files: &[&PathBuf]) -> Result<Vec<(PathBuf, Vec<OsString>)>> {
     }
 }
 
-/// A file that map savers named tells nothing that its folder does not.
+/// The name that map savers give a file says nothing beyond its folder.
 fn without_map(mut parts: Vec<OsString>) -> Vec<OsString> {
     if parts.len() > 1 && parts.last().is_some_and(|stem| is_just_map(stem)) {
         parts.pop();
@@ -128,7 +128,10 @@ fn is_just_map(stem: &OsStr) -> bool {
 fn stem(path: &Path) -> Result<OsString> {
     let stem = path.file_stem().filter(|stem| !stem.is_empty() && *stem != "." && *stem != "..");
     let stem = stem.with_context(|| {
-        format!("expected a map whose file name can name a folder for its result, found {}", path.display())
+        format!(
+            "the name of {} cannot be the name of a folder for its result: rename the map",
+            path.display()
+        )
     })?;
     Ok(stem.to_owned())
 }
@@ -147,10 +150,9 @@ fn folder_name(folder: &Path) -> Option<OsString> {
     absolute.file_name().map(OsStr::to_owned)
 }
 
-/// All maps below `folder`, in the order of their paths: YAML files that name an image, CARMEN maps and
-/// maps of Valetudo. Hidden folders,
-/// links to folders and `out` are not looked into; files of results are no maps.
-fn maps_in(folder: &Path, out: &Path) -> Result<Vec<PathBuf>> {
+/// All maps below `folder`, in the order of their paths: YAML files that name an image, recordings, and files that hold a
+/// whole map. Hidden folders, links to folders and `out` are skipped; files of results are not maps.
+pub(crate) fn maps_in(folder: &Path, out: &Path) -> Result<Vec<PathBuf>> {
     let cannot_read = || format!("cannot read the folder {}", folder.display());
     let mut entries: Vec<fs::DirEntry> =
         fs::read_dir(folder).and_then(Iterator::collect).with_context(cannot_read)?;
@@ -172,7 +174,7 @@ fn maps_in(folder: &Path, out: &Path) -> Result<Vec<PathBuf>> {
     Ok(maps)
 }
 
-/// Whether a file looks like a map, a damaged one too: what is wrong with it is told when it is read.
+/// Whether a file looks like a map, even if it is damaged: what is wrong with it is reported when it is read.
 fn is_map(path: &Path) -> bool {
     let extension = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     match extension.as_str() {
@@ -184,13 +186,12 @@ fn is_map(path: &Path) -> bool {
             let keys = ["resolution", "origin", "occupied_thresh", "free_thresh", "negate"];
             has_key("image") && keys.into_iter().any(has_key)
         }),
-        "map" | "gz" | "json" => {
+        "mcap" => true,
+        other if import::may_hold_map(other) => {
             use std::io::Read;
             let mut head = Vec::new();
             let read = fs::File::open(path).and_then(|file| file.take(1 << 16).read_to_end(&mut head));
-            let is_valetudo =
-                || extension == "json" && String::from_utf8_lossy(&head).contains("ValetudoMap");
-            read.is_ok() && (import::carmen::is_carmen(&head) || is_valetudo())
+            read.is_ok() && import::holds_map(other, &head)
         }
         _ => false,
     }
@@ -219,7 +220,7 @@ mod tests {
         assert_eq!(found, [Path::new("x/a"), Path::new("y/a"), Path::new("b")]);
         let found = places(&["x/floor1.yaml", "y/floor1.yaml", "x/floor2.yaml"]).unwrap();
         assert_eq!(found, [Path::new("x/floor1"), Path::new("y/floor1"), Path::new("floor2")]);
-        // Of a map and a folder of one name, both are told.
+        // If a map and a folder have one name, both are named.
         assert!(places(&["x/a.yaml", "x/a.pgm"]).unwrap_err().to_string().contains("two runs"));
     }
 

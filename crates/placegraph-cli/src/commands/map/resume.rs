@@ -3,9 +3,10 @@
 use anyhow::Result;
 use placegraph::export::{FORMATS, FileRecord, Format, ModelInfo, TopologyDocument};
 use placegraph::import::LoadedMap;
+use placegraph::result::{ResultContents, export_word, exported, is_export, is_previous};
 
-use super::result::{self, EXPORT, export_option};
-use super::setup::{Context, PREVIOUS, Setup};
+use super::result;
+use super::setup::{Context, Setup};
 use crate::document::{self, DOCUMENT};
 use crate::output::{Committed, Existing, OutputSet};
 
@@ -36,8 +37,8 @@ pub(super) fn resume(map: &LoadedMap, setup: &Setup<'_>, context: &Context) -> R
     if missing.iter().any(|format| format.needs_cells) {
         return Ok(None);
     }
-    let is_asked = |option: &String| setup.formats.iter().any(|format| *option == export_option(format.name));
-    let has_more = found.program.options.iter().any(|option| option.starts_with(EXPORT) && !is_asked(option));
+    let is_asked = |option: &String| setup.formats.iter().any(|format| *option == export_word(format));
+    let has_more = found.program.options.iter().any(|option| is_export(option) && !is_asked(option));
     if missing.is_empty() && !has_more {
         return Ok(Some(Resumed { document: found, changed: None }));
     }
@@ -59,8 +60,7 @@ impl Identity<'_> {
     /// which is gone.
     fn is_of(&self, found: &TopologyDocument, continues: bool) -> bool {
         fn relevant(options: &[String], continues: bool) -> Vec<&String> {
-            let is_left_out =
-                |option: &String| option.starts_with(EXPORT) || (continues && option.starts_with(PREVIOUS));
+            let is_left_out = |option: &String| is_export(option) || (continues && is_previous(option));
             options.iter().filter(|option| !is_left_out(option)).collect()
         }
         found.program.version == self.version
@@ -72,7 +72,7 @@ impl Identity<'_> {
 }
 
 fn has_format(document: &TopologyDocument, format: &Format) -> bool {
-    document.program.options.contains(&export_option(format.name))
+    document.program.options.contains(&export_word(format))
 }
 
 /// The result with the formats that are asked for now: `missing` ones are made from the document, others go.
@@ -88,13 +88,14 @@ fn with_formats(
     let dropped: Vec<String> = FORMATS.iter().filter(|format| !is_asked(format)).flat_map(names).collect();
     let is_dropped = |file: &FileRecord| dropped.contains(&file.name);
     let kept: Vec<FileRecord> = document.files.iter().filter(|file| !is_dropped(file)).cloned().collect();
-    document.program.options.retain(|option| !option.starts_with(EXPORT));
-    document.program.options.extend(setup.formats.iter().map(|format| export_option(format.name)));
+    document.program.options.retain(|option| !is_export(option));
+    document.program.options.extend(setup.formats.iter().map(|format| export_word(format)));
     document.skipped.retain(|skipped| setup.formats.iter().any(|format| format.name == skipped.format));
     let mut files = OutputSet::new(Existing::ReplaceResult);
     files.keep_inputs(&[], setup.args.force);
-    result::add_exports(&mut files, &mut document, missing, setup, None)?;
-    result::seal(&mut files, &mut document, kept)?;
+    let contents = ResultContents { formats: missing, ..setup.contents() };
+    let added = exported(&mut document, &contents, None)?;
+    result::join(&mut files, added, &mut document, kept)?;
     Ok((files, document))
 }
 
@@ -146,7 +147,7 @@ mod tests {
         for n in 0..3 {
             let mut without = options.clone();
             let option = without.remove(n);
-            let continues = option.starts_with(PREVIOUS);
+            let continues = is_previous(&option);
             assert!(!Identity { options: &without, ..same }.is_of(&document, false), "without {option}");
             assert_eq!(
                 Identity { options: &without, ..same }.is_of(&document, true),

@@ -6,13 +6,15 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context as _, Result, ensure};
 use placegraph::export::{Format, MaskSettings, TopologyDocument};
 use placegraph::geom::Point2;
+use placegraph::import::ReadOptions;
 use placegraph::model::sha256_hex;
 use placegraph::pipeline;
+use placegraph::result::{InputHashes, ResultContents, ResultOptions};
 use placegraph::topology::edits::{Edit, EditFile};
 use placegraph::topology::reach::Robot;
 
 use super::jobs::Job;
-use crate::args::{Formats, GeoArg, MapArgs, PointArg, ReadArgs, RulesArg};
+use crate::args::{Formats, MapArgs};
 use crate::document::{self, DOCUMENT};
 use crate::model::NamedModel;
 use crate::read;
@@ -22,13 +24,15 @@ use crate::read;
 pub(super) struct Setup<'a> {
     pub(super) args: &'a MapArgs,
     pub(super) model: NamedModel,
+    /// How maps are read.
+    pub(super) read: ReadOptions,
     pub(super) masks: MaskSettings,
+    /// SHA-256 of the mask file.
+    masks_hash: Option<String>,
     /// The formats asked for, each once, in the order of the table.
     pub(super) formats: Vec<&'static Format>,
     /// Whether the run is about a single map that was named itself.
     pub(super) is_single: bool,
-    /// What results depend on beside map, model, formats and what belongs to a single map, always in the same words.
-    options: Vec<String>,
     /// How many maps lie in each folder.
     neighbors: BTreeMap<PathBuf, usize>,
 }
@@ -43,16 +47,13 @@ pub(super) struct Context {
     pub(super) edits: PathBuf,
     /// Whether the earlier result is the one that will be replaced.
     pub(super) continues: bool,
-    /// Files that the run reads beside the map.
+    /// Files that the run reads in addition to the map.
     pub(super) inputs: Vec<PathBuf>,
     /// Name of the frame that the earlier result is in.
     pub(super) previous_frame_id: Option<String>,
-    /// What results depend on beside map, model and formats, as the document names it.
+    /// The options that the result depends on, as its document lists them.
     pub(super) options: Vec<String>,
 }
-
-/// How the option of the earlier result begins.
-pub(super) const PREVIOUS: &str = "--previous ";
 
 impl<'a> Setup<'a> {
     /// Reads the files that hold for all maps.
@@ -61,8 +62,7 @@ impl<'a> Setup<'a> {
         if let (false, Some(edits)) = (is_single, &args.edits) {
             ensure!(
                 edits.file_name() == Some(edits.as_os_str()),
-                "expected the name of a file that lies beside each map as --edits of several maps, such as \
-                 edits.toml, found {}",
+                "for several maps, --edits takes the name of a file next to each map, such as edits.toml; found {}",
                 edits.display()
             );
         }
@@ -70,7 +70,7 @@ impl<'a> Setup<'a> {
             let is_there = if is_single { previous.exists() } else { previous.is_dir() };
             ensure!(
                 is_there || *previous == args.out,
-                "expected {} as --previous, found nothing of the kind at {}",
+                "expected {} as --previous, found none at {}",
                 if is_single { "a topology.json or its folder" } else { "the folder of an earlier run" },
                 previous.display()
             );
@@ -84,8 +84,8 @@ impl<'a> Setup<'a> {
         for job in jobs {
             *neighbors.entry(folder_of(&job.map)).or_default() += 1;
         }
-        let options = options(args, masks_hash.as_deref());
-        Ok(Self { args, model, masks, formats, is_single, options, neighbors })
+        let read = read::options(&args.read);
+        Ok(Self { args, model, read, masks, masks_hash, formats, is_single, neighbors })
     }
 
     /// The names of the classes, in the order of their labels.
@@ -93,17 +93,31 @@ impl<'a> Setup<'a> {
         self.model.model.label_set.classes().iter().map(|class| class.name.as_str()).collect()
     }
 
+    /// What the files of a result depend on besides the map.
+    pub(super) fn contents(&self) -> ResultContents<'_> {
+        ResultContents {
+            stages: self.args.stages,
+            probabilities: self.args.probabilities,
+            formats: &self.formats,
+            masks: &self.masks,
+            georeference: self.args.georeference.map(|place| place.0),
+            written: document::fixed_time().unwrap_or_default(),
+        }
+    }
+
     /// Reads the files that belong to the map of `job`.
     pub(super) fn context(&self, job: &Job) -> Result<Context> {
-        let mut options = self.options.clone();
         let folder = self.args.out.join(&job.place);
         let read = |path: &Path| document::read_hashed(path, self.args.read.max_cells);
         let previous_path = self.previous(job);
         let previous = previous_path.as_deref().map(read).transpose()?;
         let edits_path = self.edits(job)?;
         let edits = edits_path.as_deref().map(read_edits).transpose()?;
-        options.extend(previous.as_ref().map(|(_, hash)| format!("{PREVIOUS}sha256:{hash}")));
-        options.extend(edits.as_ref().map(|(_, hash)| format!("--edits sha256:{hash}")));
+        let inputs = InputHashes {
+            masks: self.masks_hash.clone(),
+            previous: previous.as_ref().map(|(_, hash)| hash.clone()),
+            edits: edits.as_ref().map(|(_, hash)| hash.clone()),
+        };
         let previous = previous.map(|(document, _)| document);
         let config = pipeline::Config {
             correction: !self.args.no_correction,
@@ -113,9 +127,13 @@ impl<'a> Setup<'a> {
                 from: self.args.from.map(|point| Point2::new(point.x, point.y)),
             },
             previous: previous.as_ref().map(TopologyDocument::topology),
+            hold: self.args.hold,
             align_previous: self.args.align,
             ..if self.args.no_doorways { pipeline::Config::chapter() } else { pipeline::Config::default() }
         };
+        let options =
+            ResultOptions { read: &self.read, config: &config, contents: &self.contents(), inputs: &inputs };
+        let options = options.words();
         let shared = [&self.args.model, &self.args.masks].into_iter().flatten().cloned();
         Ok(Context {
             config,
@@ -138,7 +156,7 @@ impl<'a> Setup<'a> {
         path.exists().then_some(path)
     }
 
-    /// The edit file of the map: as named for a single one, else that of the name beside it, if there is one.
+    /// The edit file of the map: the named file for a single map, else the file of that name next to it, if there is one.
     fn edits(&self, job: &Job) -> Result<Option<PathBuf>> {
         let Some(edits) = &self.args.edits else { return Ok(None) };
         if self.is_single {
@@ -157,7 +175,7 @@ impl<'a> Setup<'a> {
         let n_maps = self.neighbors.get(&folder).copied().unwrap_or(1);
         ensure!(
             n_maps == 1,
-            "{} lies beside {n_maps} maps of this run: rename it to {}",
+            "{} lies next to {n_maps} maps of this run: rename it to {}",
             common.display(),
             own.display()
         );
@@ -175,65 +193,8 @@ fn folder_of(map: &Path) -> PathBuf {
 }
 
 /// The edits in a file, and the hash of the bytes that they were read from.
-fn read_edits(path: &Path) -> Result<(Vec<Edit>, String)> {
+pub(crate) fn read_edits(path: &Path) -> Result<(Vec<Edit>, String)> {
     let text = read::text(path, "edit file")?;
     let file = EditFile::from_toml(&text).with_context(|| format!("in {}", path.display()))?;
     Ok((file.edits, sha256_hex(text.as_bytes())))
-}
-
-/// What was typed that results depend on, always in the same words; a file by its content. Every argument is named
-/// here: a new one does not compile until it has its place.
-fn options(args: &MapArgs, masks_hash: Option<&str>) -> Vec<String> {
-    let MapArgs {
-        // Told by the document's `map` and `model`.
-        maps: _,
-        model: _,
-        // Of these the result does not depend.
-        out: _,
-        method: _,
-        resume: _,
-        force: _,
-        // Added where the formats and the files of a map are read.
-        export: _,
-        previous: _,
-        edits: _,
-        masks: _,
-        stages,
-        probabilities,
-        no_doorways,
-        no_correction,
-        georeference,
-        align,
-        robot_radius,
-        from,
-        read:
-            ReadArgs {
-                resolution,
-                rules,
-                trust_thresholds,
-                // What they refuse has no result.
-                allow_outside: _,
-                max_cells: _,
-            },
-    } = args;
-    let switches = [
-        (*stages, "--stages"),
-        (*probabilities, "--probabilities"),
-        (*no_doorways, "--no-doorways"),
-        (*no_correction, "--no-correction"),
-        (*rules == RulesArg::Humble, "--rules humble"),
-        (*align, "--align"),
-        (*rules == RulesArg::Ros1, "--rules ros1"),
-        (*trust_thresholds, "--trust-thresholds"),
-    ];
-    let mut options: Vec<String> =
-        switches.into_iter().filter(|(is_on, _)| *is_on).map(|(_, name)| name.to_owned()).collect();
-    options.extend((*robot_radius > 0.0).then(|| format!("--robot-radius {robot_radius}")));
-    options.extend(georeference.map(|GeoArg(place)| {
-        format!("--georeference {},{},{}", place.latitude_deg, place.longitude_deg, place.heading_deg)
-    }));
-    options.extend(from.map(|PointArg { x, y }| format!("--from {x},{y}")));
-    options.extend(resolution.map(|resolution| format!("--resolution {resolution}")));
-    options.extend(masks_hash.map(|hash| format!("--masks sha256:{hash}")));
-    options
 }

@@ -20,7 +20,7 @@ pub(super) const NAMES: [&str; 2] = ["summary.csv", "summary.jsonl"];
 /// How each begins if it is ours.
 const BEGINNINGS: [&str; 2] = ["map,status,", "{\"map\":"];
 
-/// A row as JSON; its first member tells whose the file is.
+/// A row as JSON; its first member shows that placegraph wrote the file.
 #[derive(Default, Serialize)]
 struct Line<'a> {
     map: &'a str,
@@ -55,7 +55,7 @@ impl<'a> Table<'a> {
         match table.files[0].try_lock() {
             Err(TryLockError::WouldBlock) => {
                 complain(&format!("waiting for another run that writes its table into {}", out.display()));
-                // Where files cannot be locked, nobody waits.
+                // If files cannot be locked, do not wait.
                 let _ = table.files[0].lock();
             }
             Ok(()) | Err(TryLockError::Error(_)) => {}
@@ -136,12 +136,12 @@ impl<'a> Table<'a> {
 fn open(path: &Path, beginning: &str, force: bool) -> Result<File> {
     let shown = path.display();
     if let Ok(metadata) = fs::symlink_metadata(path) {
-        ensure!(metadata.is_file(), "cannot write {shown}: something that is no file has this name");
+        ensure!(metadata.is_file(), "cannot write {shown}: something that is not a file has this name");
         let mut head = Vec::new();
         File::open(path)?.take(beginning.len() as u64).read_to_end(&mut head)?;
         ensure!(
             force || beginning.as_bytes().starts_with(&head),
-            "cannot write {shown}: a file of this name exists and is no table of placegraph; choose another folder, \
+            "cannot write {shown}: a file of this name exists and is not a table of placegraph; choose another folder, \
              or replace it with --force"
         );
     }

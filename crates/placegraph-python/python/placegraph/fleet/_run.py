@@ -68,8 +68,8 @@ def label_maps(
     out : path
         Folder of the data set; with an engine of several machines a folder that all of them share.
     engine : {"local", "ray", "dask"}
-        Threads of this process; the Ray cluster that this process is connected to, or a new local one; the current
-        Dask client, or a new local cluster.
+        Threads of this process; the Ray cluster that this process is connected to or that ``RAY_ADDRESS`` names, or a
+        new local one; the current Dask client, or a new local cluster.
     model : Model or path, optional
         What to label with; by default the model that comes with the package.
     previous : path, optional
@@ -121,7 +121,11 @@ def _ray(worker: LabelMaps, parts: Sequence[Sequence[Task]], workers: int | None
     import ray
 
     if not ray.is_initialized():
-        ray.init(num_cpus=workers, log_to_driver=False)
+        # Named, one of both: Ray would join any cluster that it finds traces of, and refuse a number of workers there.
+        if os.environ.get("RAY_ADDRESS"):
+            ray.init(log_to_driver=False)
+        else:
+            ray.init(address="local", num_cpus=workers, log_to_driver=False)
     # A task per part, done again where its machine is lost: it writes the same files.
     label = ray.remote(num_cpus=1, max_retries=-1)(_label)
     shared = ray.put(worker)

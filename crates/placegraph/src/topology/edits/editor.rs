@@ -1,65 +1,24 @@
 //! Edits of places: the regions while they change.
 
+mod doorways;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::gap::{gap, in_cells, in_map, reach_m};
-use super::{Applied, At, Edit, NotApplied, Outcome, Target};
-use crate::geom::{Point2, Vec2};
+use super::{Applied, At, Edit, Edited, NotApplied, Numbering, Outcome, Target};
+use crate::geom::Point2;
 use crate::grid::{Cell, CellGraph, Connectivity, FreeSpace, MapFrame};
 use crate::labels::{Label, LabelSet, Role};
 use crate::regions::{DiagonalSteps, Region, RegionId, RegionMap};
-use crate::topology::identity::CarriedOver;
 use crate::topology::names::check_name;
 use crate::topology::query::UnknownPlace;
 use crate::topology::segment::for_each_touched_in;
-use crate::topology::{PlaceId, place_id, segments_cross};
+use crate::topology::{PlaceId, segments_cross};
 
-/// How far a drawn doorway reaches on both sides of its line, in meters.
-const HALF_DEPTH_M: f64 = 0.1;
 /// What a line cuts off that is smaller is the ragged edge of a wall, in square meters.
 const MIN_PART_M2: f64 = 0.1;
 
-/// What regions are called as places.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Numbering {
-    /// Number of every region's place; `None` for a region that is none.
-    pub numbers: Vec<Option<PlaceId>>,
-    /// Names that are not made of class and number.
-    pub names: BTreeMap<RegionId, String>,
-}
-
-impl Numbering {
-    /// What a map built from `n_regions` regions was called by its earlier self.
-    pub(crate) fn of(carried: &CarriedOver, n_regions: usize) -> Self {
-        let mut numbering = Self { numbers: vec![None; n_regions], names: BTreeMap::new() };
-        for (index, number) in numbering.numbers.iter_mut().enumerate() {
-            let region = RegionId(index as u32);
-            let Some(&id) = carried.renumbered.get(&place_id(region)) else { continue };
-            *number = Some(id);
-            let place = carried.map.place(id);
-            let named = place.filter(|place| place.name != format!("{} {}", place.class, id.0));
-            numbering.names.extend(named.map(|place| (region, place.name.clone())));
-        }
-        numbering
-    }
-}
-
-/// The corrected regions.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Edited {
-    /// The regions, numbered by their first node again.
-    pub regions: RegionMap,
-    /// Number of every region's place, kept from before the edits; new places have numbers above all others.
-    pub numbers: Vec<Option<PlaceId>>,
-    /// Names that edits gave, by region.
-    pub names: BTreeMap<RegionId, String>,
-    /// What became of every edit, in the order of the file; of edits of the map, nothing.
-    pub outcomes: Vec<Outcome>,
-    /// The regions that each edit concerned, as far as they are left.
-    pub concerned: Vec<Vec<RegionId>>,
-}
-
-/// Applies `edits` to `regions`, whose places are called as `numbering` says. Edits of the map are passed over.
+/// Applies `edits` to `regions`, with the names of places in `numbering`. Edits of the map itself are skipped.
 ///
 /// # Panics
 /// If `numbering` has not one number for every region.
@@ -348,109 +307,6 @@ impl Editor<'_> {
         }
         self.given.retain(|region, _| *region == first || !all.contains(region));
         Ok(Done { was, concerned: vec![first], line: None })
-    }
-
-    /// Makes the cells of the gap that `line` means the doorway's.
-    fn put_doorway(&mut self, doorway: RegionId, line: [At; 2]) -> Result<Done, NotApplied> {
-        let drawn = in_cells(self.frame, line);
-        let [a, b] = gap(self.graph, drawn, self.cells(reach_m(line))).ok_or_else(|| parts_nothing(line))?;
-        let on_line = self.nodes_on(a, b);
-        let is_doorway = |region: RegionId| self.labels.role(self.label_of[region.index()]) == Role::Doorway;
-        let taken = on_line.iter().map(|&node| self.region_of[node]).find(|&region| is_doorway(region));
-        if let Some(other) = taken {
-            return Err(NotApplied::IsDoorway { name: self.name(other) });
-        }
-        let cut: BTreeSet<RegionId> = on_line.iter().map(|&node| self.region_of[node]).collect();
-        let was = self.names(cut.iter().copied());
-        for node in self.strip(&on_line, [a, b]) {
-            if cut.contains(&self.region_of[node]) {
-                self.region_of[node] = doorway;
-            }
-        }
-        let mut concerned = vec![doorway];
-        for region in cut {
-            let new = self.separate(region, |_, _| false, Some(doorway));
-            concerned.push(region);
-            concerned.extend(new);
-        }
-        if self.n_sides(doorway) < 2 {
-            return Err(parts_nothing(line));
-        }
-        Ok(Done { was, concerned, line: Some(in_map(self.frame, [a, b])) })
-    }
-
-    /// The nodes within the depth of a doorway from the line, as far as they are connected to those on it.
-    fn strip(&self, on_line: &[usize], [a, b]: [Point2; 2]) -> BTreeSet<usize> {
-        let along = (b - a) * (1.0 / a.distance(b));
-        let across = Vec2::new(-along.y, along.x);
-        let depth = self.cells(HALF_DEPTH_M);
-        let is_near = |node: usize| (self.graph.cell(node).center() - a).dot(across).abs() <= depth;
-        let is_between =
-            |node: usize| (0.0..=a.distance(b)).contains(&(self.graph.cell(node).center() - a).dot(along));
-        let mut strip: BTreeSet<usize> = on_line.iter().copied().collect();
-        let mut open: Vec<usize> = on_line.to_vec();
-        while let Some(node) = open.pop() {
-            for next in self.graph.neighbors(node, Connectivity::Four) {
-                if is_near(next) && is_between(next) && strip.insert(next) {
-                    open.push(next);
-                }
-            }
-        }
-        strip
-    }
-
-    /// How many stretches of the doorway's border are not connected with one another beside it.
-    fn n_sides(&self, doorway: RegionId) -> usize {
-        let own = (0..self.region_of.len()).filter(|&node| self.region_of[node] == doorway);
-        let beside: BTreeSet<usize> = own
-            .flat_map(|node| self.graph.neighbors(node, Connectivity::Four).collect::<Vec<_>>())
-            .filter(|&next| self.region_of[next] != doorway)
-            .collect();
-        let mut left = beside;
-        let mut n = 0;
-        while let Some(start) = left.pop_first() {
-            n += 1;
-            let mut open = vec![start];
-            while let Some(node) = open.pop() {
-                let next: Vec<usize> = self
-                    .graph
-                    .neighbors(node, Connectivity::Eight)
-                    .filter(|next| left.contains(next))
-                    .collect();
-                for next in next {
-                    left.remove(&next);
-                    open.push(next);
-                }
-            }
-        }
-        n
-    }
-
-    fn new_doorway(&mut self) -> Result<RegionId, NotApplied> {
-        let doorway_class = self.labels.labels().find(|&label| self.labels.role(label) == Role::Doorway);
-        Ok(self.new_region(doorway_class.ok_or(NotApplied::NoDoorwayClass)?))
-    }
-
-    fn doorway(&self, at: &Target) -> Result<RegionId, NotApplied> {
-        let region = self.region(at)?;
-        let class = self.labels.class(self.label_of[region.index()]);
-        if class.role == Role::Doorway {
-            Ok(region)
-        } else {
-            Err(NotApplied::NoDoorway { name: self.name(region), class: class.name.clone() })
-        }
-    }
-
-    /// Gives the cells of a doorway to the neighbor with the longest common border.
-    fn give_away(&mut self, doorway: RegionId) -> Result<RegionId, NotApplied> {
-        let contact = self.contact();
-        let sides = contact.get(&doorway).map(sides_of).unwrap_or_default();
-        let neighbor = sides.into_iter().find(|&side| self.is_place(side));
-        let neighbor = neighbor.ok_or_else(|| NotApplied::NothingBeside { name: self.name(doorway) })?;
-        for region in self.region_of.iter_mut().filter(|region| **region == doorway) {
-            *region = neighbor;
-        }
-        Ok(neighbor)
     }
 
     /// Number of common sides of cells, by region and neighbor.

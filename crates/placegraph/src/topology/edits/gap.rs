@@ -1,11 +1,11 @@
-//! Lines that hands drew, moved to the gap between walls that they mean.
+//! Moves lines that were drawn by hand to the gap between walls that they mean.
 
 use super::At;
 use crate::geom::{Point2, Vec2};
 use crate::grid::{Cell, CellGraph, MapFrame};
 use crate::topology::opening::clear_distance;
 
-/// How far beside a wall a drawn line may end, in meters; a tenth of its length if that is more.
+/// How far from a wall a drawn line may end, in meters; a tenth of its length if that is more.
 pub(super) const SNAP_M: f64 = 0.5;
 /// The same as a part of the line's length.
 const SNAP_FRAC: f64 = 0.1;
@@ -56,7 +56,7 @@ pub(super) fn gap(graph: &CellGraph, [a, b]: [Point2; 2], reach: f64) -> Option<
     best.map(|(_, ends)| ends)
 }
 
-/// Centers of free cells beside the middle of the line, those nearest to it first.
+/// Centers of free cells next to the middle of the line, those nearest to it first.
 fn starts(graph: &CellGraph, [a, b]: [Point2; 2], reach: f64) -> Vec<Point2> {
     /// Parts of the line from its first end, the middle first.
     const PARTS: [f64; 5] = [0.5, 0.4, 0.6, 0.25, 0.75];

@@ -20,13 +20,15 @@
 
 mod editor;
 mod gap;
+mod numbering;
 mod outcome;
 mod target;
 mod walls;
 
 use serde::{Deserialize, Serialize};
 
-pub use editor::{Edited, Numbering, apply};
+pub use editor::apply;
+pub use numbering::{Edited, Numbering};
 pub use outcome::{Applied, NotApplied, Outcome};
 pub use target::{At, Target};
 pub use walls::{OnMap, apply_to_map};
@@ -87,7 +89,7 @@ pub const MIN_OPENING_M: f64 = 0.1;
 pub const MAX_OPENING_M: f64 = 20.0;
 
 impl EditFile {
-    /// Reads a file's text.
+    /// Parses the text of an edit file.
     ///
     /// # Errors
     /// If it is not TOML, has an unknown action or key, a number that is not finite, or a name that a place cannot have.
@@ -98,7 +100,7 @@ impl EditFile {
         Ok(file)
     }
 
-    /// Checks what the types do not: numbers and names.
+    /// Checks numbers and names, which the types do not.
     ///
     /// # Errors
     /// If a number is not finite, or a name or a width is not allowed.
@@ -120,8 +122,8 @@ impl EditFile {
     }
 }
 
-/// One correction. Every `at` is a point inside of the place that is meant, or its name. A `line` across a passage
-/// may end up to half a meter beside the walls: it is moved to the nearest gap between them.
+/// One correction. Every `at` is a point inside the place, or its name. A `line` across a passage may end up to half
+/// a meter away from the walls: it is moved to the nearest gap between them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "action", rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]
@@ -181,7 +183,7 @@ pub enum Edit {
         #[serde(default = "usual_opening")]
         width_m: f64,
     },
-    /// Makes free space no place: not listed, not in graphs, forbidden in masks.
+    /// Removes a place: it is not listed, not in graphs, and forbidden in masks.
     Exclude {
         /// What is a place until then.
         at: Target,
@@ -194,7 +196,7 @@ fn usual_opening() -> f64 {
 }
 
 impl Edit {
-    /// The word for it in the file.
+    /// The name of the action in the file.
     pub fn action(&self) -> &'static str {
         match self {
             Self::Rename { .. } => "rename",
@@ -215,7 +217,7 @@ impl Edit {
         matches!(self, Self::Close { .. } | Self::Open { .. })
     }
 
-    /// The places that it means.
+    /// The places that it changes.
     pub fn targets(&self) -> &[Target] {
         match self {
             Self::Rename { at, .. }
@@ -228,7 +230,7 @@ impl Edit {
         }
     }
 
-    /// The places that it means, to be meant otherwise.
+    /// The targets of the edit, to be replaced.
     pub fn targets_mut(&mut self) -> &mut [Target] {
         match self {
             Self::Rename { at, .. }

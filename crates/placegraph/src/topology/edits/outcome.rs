@@ -1,4 +1,4 @@
-//! What became of an edit.
+//! Outcomes of edits.
 
 use std::fmt;
 
@@ -7,17 +7,17 @@ use serde::Serialize;
 use super::At;
 use crate::topology::query::{UnknownPlace, listed};
 
-/// What became of an edit.
+/// The outcome of an edit.
 pub type Outcome = Result<Applied, NotApplied>;
 
-/// An edit that applied. `Display` says it in a line.
+/// An edit that applied. `Display` describes it in a line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Applied {
-    /// The word for it in the file.
+    /// The name of the action in the file.
     pub action: String,
     /// The places that it concerned, by the names they had before it.
     pub was: Vec<String>,
-    /// What they are in the result, by name. Those that later edits took away are not listed.
+    /// The places in the result that they became, by name. Places that later edits removed are not listed.
     pub now: Vec<String>,
     /// The line as it was moved to the gap, in meters of the map frame.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,7 +42,7 @@ impl fmt::Display for Applied {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum NotApplied {
-    /// No place is there.
+    /// There is no place at the point.
     #[error("expected a place at ({x}, {y}), found {found}")]
     NoPlace {
         /// The point's first coordinate, in meters.
@@ -55,7 +55,7 @@ pub enum NotApplied {
     /// No place has this name or number.
     #[error(transparent)]
     NoPlaceCalled(#[from] UnknownPlace),
-    /// The model knows no such class.
+    /// The model has no such class.
     #[error("expected one of the model's classes, {}, found {class:?}", listed(known))]
     NoClass {
         /// The name found.
@@ -67,7 +67,7 @@ pub enum NotApplied {
     #[error("expected a class with the role doorway, found none")]
     NoDoorwayClass,
     /// Another place has this name.
-    #[error("expected a name that no other place has, found {name:?} twice")]
+    #[error("another place is already called {name:?}: choose another name")]
     NameTaken {
         /// The name.
         name: String,
@@ -77,7 +77,7 @@ pub enum NotApplied {
     Name(#[from] crate::topology::NameError),
     /// The line parts nothing.
     #[error(
-        "expected a line from wall to wall that parts a place in two, found none within {within_m} m of \
+        "expected a line from wall to wall that divides a place in two, found none within {within_m} m of \
          ({ax:.2}, {ay:.2}) to ({bx:.2}, {by:.2})"
     )]
     PartsNothing {
@@ -105,7 +105,7 @@ pub enum NotApplied {
         y: f64,
     },
     /// There is nothing to open on the line.
-    #[error("expected a line through a wall, found only free cells on it")]
+    #[error("the line crosses no wall: all its cells are free")]
     NothingToOpen,
     /// The line lies where a doorway is.
     #[error("expected a passage without a doorway, found {name}: move or remove it instead")]
@@ -119,11 +119,8 @@ pub enum NotApplied {
         /// The one.
         found: Vec<String>,
     },
-    /// The places do not touch one another.
-    #[error(
-        "expected places that touch one another or that a doorway joins, found {}, which do not",
-        listed(found)
-    )]
+    /// The places do not touch.
+    #[error("expected places that touch or share a doorway, found {}, which do not", listed(found))]
     NotTouching {
         /// The places.
         found: Vec<String>,
@@ -136,8 +133,8 @@ pub enum NotApplied {
         /// Its class.
         class: String,
     },
-    /// A doorway that nothing lies beside.
-    #[error("expected a place beside {name}, found none that could take its cells")]
+    /// A doorway without a neighbor.
+    #[error("no place next to {name} can take its cells")]
     NothingBeside {
         /// The doorway.
         name: String,

@@ -1,4 +1,4 @@
-//! How an edit says which place it means.
+//! How an edit names the place that it changes.
 
 use std::fmt;
 
@@ -8,11 +8,11 @@ use serde::{Deserialize, Deserializer, Serialize};
 /// A point of the map frame, in meters: `[x, y]`.
 pub type At = [f64; 2];
 
-/// A place, by a point inside of it or by its name. In files `[x, y]`, or a text.
+/// A place, given by a point inside it or by its name. In files: `[x, y]`, or a text.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Target {
-    /// A point inside of it.
+    /// A point inside it.
     Point(At),
     /// Its name, or its number.
     Named(String),

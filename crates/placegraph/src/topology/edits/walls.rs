@@ -11,11 +11,11 @@ use crate::topology::segment::for_each_touched_in;
 pub struct OnMap {
     /// The map.
     pub map: OccupancyGrid,
-    /// What became of the edits that change the map, by their position.
+    /// Outcomes of the edits that change the map, by their position.
     pub outcomes: Vec<(usize, Outcome)>,
 }
 
-/// Applies those of `edits` that change the map; `None` if there are none.
+/// Applies the edits among `edits` that change the map; `None` if there are none.
 pub fn apply_to_map(map: &OccupancyGrid, edits: &[Edit]) -> Option<OnMap> {
     let on_map: Vec<(usize, &Edit)> = edits.iter().enumerate().filter(|(_, edit)| edit.is_on_map()).collect();
     if on_map.is_empty() {
@@ -149,7 +149,7 @@ mod tests {
     #[test]
     fn a_wall_closes_the_gap_and_an_opening_makes_another() {
         let map = rooms();
-        // Drawn half a cell beside the gap's jambs.
+        // Drawn half a cell away from the jambs of the gap.
         let close = Edit::Close { line: [at(8.5, 1.6), at(8.4, 3.3)] };
         let open = Edit::Open { line: [at(7.4, 4.5), at(10.6, 4.5)], width_m: 0.1 };
         let done = apply_to_map(&map, &[close, open]).unwrap();

@@ -2,22 +2,28 @@
 //! replay the committed corpus on the stable toolchain.
 #![allow(clippy::expect_used, reason = "a broken promise shall crash")]
 
+use std::sync::LazyLock;
+
+use placegraph::doorways::{GateModel, figure_table};
 use placegraph::export::{
-    ExportError, Keepout, MaskSheet, ReportInput, RmfInfo, Rotated, SpeedLimit, TmapInfo, TopologyDocument,
-    ZonePer, dot, graphml, keepout_mask, nav2_route, regions_geojson, regions_svg, report_html, rmf_building,
-    rmf_nav_graph, speed_mask, tmap2, vector_shapes, zone_mask,
+    ExportError, Keepout, MapInfo, MaskSettings, MaskSheet, ReportInput, RmfBuilding, Rotated, SpeedLimit,
+    TmapInfo, TopologyDocument, ZonePer, dot, graphml, keepout_mask, nav2_route, regions_geojson,
+    regions_svg, report_html, rmf_building, rmf_nav_graph, speed_mask, tmap2, vector_shapes, zone_mask,
 };
-use placegraph::geom::Point2;
-use placegraph::grid::{FreeSpace, Occupancy, OccupancyGrid};
+use placegraph::geom::{Point2, Pose2};
+use placegraph::grid::{FreeSpace, GridShape, MapFrame, Occupancy, OccupancyGrid};
 use placegraph::import::{
-    Format, LabelCoding, ReadOptions, TrainingFile, carmen, image, read_image, read_labels, read_rooms, ros,
-    valetudo,
+    Format, LabelCoding, LabelTarget, LabelsYaml, MapError, ReadOptions, TrainingFile, carmen, image,
+    read_image, read_label_file, read_labels, read_rooms, recording, ros, valetudo,
 };
 use placegraph::labels::{Label, LabelField, LabelSet, Labeling};
 use placegraph::model::{Method, Model};
 use placegraph::pipeline;
 use placegraph::progress::Silent;
 use placegraph::regions::{DiagonalSteps, connected};
+use placegraph::site::{SiteDocument, SiteFile};
+use placegraph::spaces::{self, SpaceModel};
+use placegraph::syntax::from_toml;
 use placegraph::topology::PlaceId;
 use placegraph::topology::edits::{EditFile, Numbering, apply, apply_to_map};
 use placegraph::topology::query::{PlaceIndex, find_route};
@@ -32,11 +38,18 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("map_image", map_image),
     ("carmen", carmen),
     ("valetudo", valetudo),
+    ("recording", recording),
     ("label_image", label_image),
+    ("label_file", label_file),
+    ("label_map", label_map),
+    ("labels_yaml", labels_yaml),
     ("model", model),
     ("topology", topology),
     ("training_file", training_file),
     ("edits", edits),
+    ("masks", masks),
+    ("gates", gates),
+    ("site", site),
 ];
 
 /// Small enough for fuzzing, large enough for every branch.
@@ -81,6 +94,20 @@ pub fn valetudo(bytes: &[u8]) {
     }
 }
 
+/// Recordings of ROS 2.
+pub fn recording(bytes: &[u8]) {
+    let options = ReadOptions { max_cells: MAX_CELLS, ..ReadOptions::default() };
+    let mut source = bytes;
+    // What is wrong with a recording after its first maps does not undo them.
+    let _ = recording::grids(&mut source, &options, &mut |grid| {
+        if let Ok((map, _)) = recording::map_of(&grid, &options) {
+            assert!(map.frame.resolution_m() > 0.0 && map.cells.width() > 0);
+        }
+        Ok::<(), MapError>(())
+    });
+    let _ = recording::last_grid(&mut &*bytes, &options);
+}
+
 /// Label and room images; the first two bytes are the size of the map, less 1.
 pub fn label_image(bytes: &[u8]) {
     if let [width, height, image @ ..] = bytes {
@@ -91,6 +118,30 @@ pub fn label_image(bytes: &[u8]) {
         if let Ok(cells) = read_rooms(image, size) {
             assert_eq!((cells.width(), cells.height()), size);
         }
+    }
+}
+
+/// Labels of labeling tools: labelme, COCO, GeoJSON, `topology.json`; for a map of 48 by 36 cells.
+pub fn label_file(bytes: &[u8]) {
+    let frame = MapFrame::new(0.5, Pose2::new(-3.0, 2.0, 0.3)).expect("a frame");
+    let coding = LabelCoding::of(&LabelSet::default());
+    let target = LabelTarget { name: "office", size: (48, 36), frame: Some(frame), coding: &coding };
+    if let Ok(cells) = read_label_file(bytes, None, &target) {
+        assert_eq!((cells.width(), cells.height()), (48, 36));
+    }
+}
+
+/// Label maps, for an image of one pixel.
+pub fn label_map(bytes: &[u8]) {
+    let coding = LabelCoding::of(&LabelSet::default());
+    let target = LabelTarget { name: "", size: (1, 1), frame: None, coding: &coding };
+    let _ = read_label_file(b"P3 1 1 255 51 221 255", Some(bytes), &target);
+}
+
+/// The classes of label images.
+pub fn labels_yaml(bytes: &[u8]) {
+    if let Ok(yaml) = LabelsYaml::parse(bytes) {
+        assert!(yaml.label_set().is_none_or(|set| (LabelSet::MIN..=LabelSet::MAX).contains(&set.len())));
     }
 }
 
@@ -145,7 +196,7 @@ pub fn topology(bytes: &[u8]) {
 fn exports(document: &TopologyDocument, map: &TopologicalMap) {
     let (classes, frame_id) = (&document.classes, document.map.frame_id.as_str());
     let shape = document.map.shape().expect("what was read has a frame");
-    let info = RmfInfo { building: "b".into(), level: "L1".into(), background: "map.png".into() };
+    let building = RmfBuilding::of_level("b", "L1", map, shape, "map.png");
     let tmap = TmapInfo {
         name: "b".into(),
         metric_map: "b".into(),
@@ -176,8 +227,8 @@ fn exports(document: &TopologyDocument, map: &TopologicalMap) {
         graphml(map, &shape, frame_id),
         regions_geojson(map, "map", None),
         nav2_route(map, frame_id),
-        rmf_building(map, &shape, &info),
-        rmf_nav_graph(map, &shape, &info),
+        rmf_building(&building),
+        rmf_nav_graph(&building),
         tmap2(map, &tmap),
         vector_shapes(map, &shape, frame_id, &Keepout::default()),
         report_html(&report).map(String::into_bytes),
@@ -194,6 +245,65 @@ pub fn training_file(bytes: &[u8]) {
         assert!(!file.maps.is_empty());
         assert!((LabelSet::MIN..=LabelSet::MAX).contains(&file.classes.len()));
     }
+}
+
+/// Mask files, and the masks of a small map by them.
+pub fn masks(bytes: &[u8]) {
+    static MAP: LazyLock<TopologicalMap> = LazyLock::new(|| {
+        pipeline::analyze(&small_map(), &Model::builtin(), &pipeline::Config::chapter(), &Silent).topology
+    });
+    let text = std::str::from_utf8(bytes).ok();
+    let Some(settings) = text.and_then(|text| from_toml::<MaskSettings>(text).ok()) else { return };
+    let (classes, grid) = (LabelSet::default(), small_map());
+    let _ = settings.check(&classes);
+    let sheet = MaskSheet {
+        shape: GridShape::of(&grid),
+        rotated: settings.rotated,
+        image_name: "mask.png".into(),
+        map_name: "mask.yaml".into(),
+        frame_id: "map".into(),
+    };
+    let _ = (keepout_mask(&MAP, &sheet, &settings.keepout), zone_mask(&MAP, &sheet, settings.zones));
+    let _ = speed_mask(&MAP, &sheet, &settings.speed(&classes));
+    let _ = vector_shapes(&MAP, &sheet.shape, "map", &settings.keepout);
+}
+
+/// Models of gates and of spaces: read and written again, and all that they say is a probability.
+pub fn gates(bytes: &[u8]) {
+    if let Ok(model) = SpaceModel::from_json(bytes) {
+        assert_eq!(SpaceModel::from_json(&model.to_json()).ok().as_ref(), Some(&model));
+        let figures = vec![1.0; spaces::figure_table().len()];
+        for calibrated in [&model.first, &model.second] {
+            assert!((0.0..=1.0).contains(&calibrated.probability(&figures)));
+        }
+    }
+    let Ok(model) = GateModel::from_json(bytes) else { return };
+    assert_eq!(GateModel::from_json(&model.to_json()).ok().as_ref(), Some(&model));
+    for value in [0.0, 1.0, -1e30] {
+        let figures = vec![value; figure_table().len()];
+        for calibrated in [&model.doorway, &model.parting] {
+            assert!((0.0..=1.0).contains(&calibrated.probability(&figures)));
+        }
+    }
+}
+
+/// Site files, and documents of sites: read and written again, asked for a route, and exported.
+pub fn site(bytes: &[u8]) {
+    if let Some(file) = std::str::from_utf8(bytes).ok().and_then(|text| SiteFile::from_toml(text).ok()) {
+        assert!(!file.floors.is_empty() && file.floors.iter().all(|floor| floor.elevation_m.is_some()));
+    }
+    let Ok(mut site) = SiteDocument::from_json(bytes) else { return };
+    let text = site.to_json().expect("what was read can be written");
+    assert_eq!(SiteDocument::from_json(text.as_bytes()).ok().as_ref(), Some(&site));
+    let n_cells = |map: &MapInfo| u64::from(map.width) * u64::from(map.height);
+    if site.levels.iter().any(|level| n_cells(&level.map) > MAX_CELLS) {
+        return;
+    }
+    let place = |level: usize| Some((level, site.levels.get(level)?.places.first()?.id));
+    if let Some((from, to)) = place(0).zip(place(site.levels.len().saturating_sub(1))) {
+        let _ = site.route(from, to, true);
+    }
+    assert!(site.files().is_ok_and(|files| !files.is_empty()));
 }
 
 /// Edit files, applied to a small map.

@@ -34,7 +34,13 @@ pub(crate) fn labeled_map(name: &str, split: Option<u32>) -> Option<LabeledMap> 
         .map(|&value| if (1..=3).contains(&value) { Some(Label(value - 1)) } else { None });
     let frame = MapFrame::new(0.05, Pose2::default()).unwrap();
     let window = split.map(|x| Window { min: Cell::new(0, 0), end: Cell::new(x, cells.height()) });
-    Some(LabeledMap { name: name.to_owned(), grid: OccupancyGrid { frame, cells }, labels, window })
+    Some(LabeledMap {
+        name: name.to_owned(),
+        grid: OccupancyGrid { frame, cells },
+        labels,
+        window,
+        building: None,
+    })
 }
 
 /// Judges the labels `found` of those `cells` that have one, from column `split` on: shares of right cells and of right

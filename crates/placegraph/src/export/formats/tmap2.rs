@@ -1,16 +1,16 @@
 //! LCAS topological map (tmap2): the YAML file of the topological navigation stack.
 //!
-//! A node per place at its station, edges both ways along every route. Vertices of an outline are relative to
+//! A node per place at its station, edges in both directions along every route. Vertices of an outline are relative to
 //! the node's position; nodes are not turned.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-use super::ExportError;
-use super::yaml::{tenth_mm, yaml_bytes};
-use crate::topology::{Connection, Place, TopologicalMap};
+use crate::export::ExportError;
+use crate::export::yaml::{tenth_mm, yaml_bytes};
+use crate::topology::{Place, PlaceId, TopologicalMap};
 
-/// What the file says about itself.
+/// The metadata of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TmapInfo {
     /// Name of the topological map and of its set of points.
@@ -132,7 +132,7 @@ struct EdgeProperties {
     length_m: f64,
 }
 
-/// The tmap2 file of what is not cut off in `map`.
+/// The tmap2 file of the places of `map` that are not cut off.
 ///
 /// # Errors
 /// None for maps that this library built.
@@ -177,10 +177,7 @@ fn entry<'a>(map: &'a TopologicalMap, place: &'a Place, info: &'a TmapInfo) -> E
                 .map(|corner| *corner - station)
                 .map(|offset| Vertex { x: tenth_mm(offset.x), y: tenth_mm(offset.y) })
                 .collect(),
-            edges: map
-                .connections_of(place.id)
-                .filter_map(|connection| edge(map, place, connection))
-                .collect(),
+            edges: edges(map, place),
             properties: Properties {
                 xy_goal_tolerance: tenth_mm(place.clearance_m.clamp(MIN_TOLERANCE_M, MAX_TOLERANCE_M)),
                 // Any heading will do.
@@ -194,9 +191,26 @@ fn entry<'a>(map: &'a TopologicalMap, place: &'a Place, info: &'a TmapInfo) -> E
     }
 }
 
-fn edge<'a>(map: &'a TopologicalMap, place: &'a Place, connection: &'a Connection) -> Option<Edge<'a>> {
-    let other = map.place(connection.other_end(place.id))?;
-    let route = connection.route.as_ref()?;
+/// To every neighbor, and from a doorway to those that a shortcut leads to; one edge for each.
+fn edges<'a>(map: &'a TopologicalMap, place: &'a Place) -> Vec<Edge<'a>> {
+    let neighbors = map
+        .connections_of(place.id)
+        .filter_map(|connection| Some((connection.other_end(place.id), connection.route.as_ref()?)));
+    let shortcuts = map.shortcuts.iter().filter_map(|way| match place.id {
+        id if id == way.a => Some((way.b, &way.route)),
+        id if id == way.b => Some((way.a, &way.route)),
+        _ => None,
+    });
+    let mut shortest: BTreeMap<PlaceId, f64> = BTreeMap::new();
+    for (other, route) in neighbors.chain(shortcuts) {
+        let length_m = shortest.entry(other).or_insert(f64::INFINITY);
+        *length_m = length_m.min(route.length_m);
+    }
+    shortest.into_iter().filter_map(|(other, length_m)| edge(map, place, other, length_m)).collect()
+}
+
+fn edge<'a>(map: &'a TopologicalMap, place: &'a Place, other: PlaceId, length_m: f64) -> Option<Edge<'a>> {
+    let other = map.place(other)?;
     let target = BTreeMap::from([("header", "$node.parent_frame"), ("pose", "$node.pose")]);
     Some(Edge {
         edge_id: format!("{}_{}", place.name, other.name),
@@ -207,6 +221,6 @@ fn edge<'a>(map: &'a TopologicalMap, place: &'a Place, connection: &'a Connectio
         fluid_navigation: true,
         goal: BTreeMap::from([("target_pose", target)]),
         config: [],
-        properties: EdgeProperties { length_m: tenth_mm(route.length_m) },
+        properties: EdgeProperties { length_m: tenth_mm(length_m) },
     })
 }

@@ -6,7 +6,7 @@
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};
 
-use super::ExportError;
+use crate::export::ExportError;
 use crate::grid::GridShape;
 use crate::topology::{Connection, Place, TopologicalMap};
 

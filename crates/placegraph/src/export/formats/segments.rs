@@ -3,12 +3,13 @@
 
 use serde_json::{Value, json};
 
-use super::ExportError;
+use crate::export::ExportError;
 use crate::grid::GridShape;
 use crate::labels::Role;
 use crate::topology::{Place, PlaceRaster, TopologicalMap};
 
-/// The places that are no doorways as Home Assistant's `Segment`: `id` (a text), `name`, `group`, which is the name of the map.
+/// The places that are not doorways, as Home Assistant's `Segment`: `id` (a text), `name`, and `group`, the name of
+/// the map.
 ///
 /// # Errors
 /// None for maps that this library built.
@@ -17,8 +18,8 @@ pub fn segments_json(map: &TopologicalMap, group: &str) -> Result<Vec<u8>, Expor
     bytes(&map.places.iter().filter(|place| is_segment(place)).map(segment).collect(), "segments")
 }
 
-/// The places as a map of Valetudo (version 2): a segment for every place, doorways as floor. Lengths are in centimeters from the upper
-/// left corner, y down; the map's rotation is left out.
+/// The places as a map of Valetudo (version 2): a segment for every place, doorways as floor. Lengths are in
+/// centimeters from the upper left corner, y down; the rotation of the map is omitted.
 ///
 /// # Errors
 /// If a cell is not a whole number of centimeters: the format has no other.
