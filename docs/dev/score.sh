@@ -33,13 +33,14 @@ score() {
     "$program" evaluate "$out/maps/$set" "$links" --truth "$truth" --csv "$out/$set.csv" >"$out/$set.txt" || [ $? = 1 ]
     awk -v set="$set" '
         $1 == "mean" && !n { cells = $2; f1 = $3; rooms = $6 " / " $7 " / " $8; n = NR - 2 }
+        $1 == "corridor" && $4 == "%" && corridor == "" { corridor = $5 }
         $1 == "all" && NF == 9 { found = $4; right = $8; doors = $2 }
-        END { printf "| %s | %d | %s | %s | %d | %s | %s | %s |\n", set, n, cells, f1, doors, found, right, rooms }' "$out/$set.txt"
+        END { printf "| %s | %d | %s | %s | %s | %d | %s | %s | %s |\n", set, n, cells, f1, corridor, doors, found, right, rooms }' "$out/$set.txt"
 }
 
 mkdir -p "$out"
-echo "| buildings | maps | cells | macro-F1 | doors | found | right | rooms: recall / precision / IoU |"
-echo "|---|---|---|---|---|---|---|---|"
+echo "| buildings | maps | cells | macro-F1 | corridor recall | doors | found | right | rooms: recall / precision / IoU |"
+echo "|---|---|---|---|---|---|---|---|---|"
 score eval-authors "$data/eval" labels.png
 score eval-hand "$data/eval" labels_hand.png
 score plans "$data/plans" labels.png
@@ -54,8 +55,8 @@ if [ "${REPORT:-}" = 1 ]; then
         echo
         echo "$(date -u +%F\ %H:%M), commit $(git -C "$here" rev-parse --short HEAD)${models:+, models of other buildings}:"
         echo
-        echo "| buildings | maps | cells | macro-F1 | doors | found | right | rooms: recall / precision / IoU |"
-        echo "|---|---|---|---|---|---|---|---|"
+        echo "| buildings | maps | cells | macro-F1 | corridor recall | doors | found | right | rooms: recall / precision / IoU |"
+        echo "|---|---|---|---|---|---|---|---|---|"
         score eval2-clean "$data/eval2" labels.png
         score eval2-robot "$data/eval2" labels.png '*_robot'
     } | tee -a "$here/eval2-runs.md"
