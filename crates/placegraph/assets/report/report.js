@@ -81,6 +81,5 @@ async function start() {
   viewer.fit();
   layerControls($("layers"), viewer, () => legend($("legend"), data, viewer.shown.probability));
 }
-// For the console, and for tests.
-globalThis.placegraph = { viewer };
-start();
+// For the console, and for tests, which wait until the pictures are read.
+globalThis.placegraph = { viewer, shown: start() };

@@ -14,7 +14,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import warnings
 
 import geopandas
@@ -22,6 +21,7 @@ import jsonschema
 import networkx
 import numpy
 import pydot
+import report_probe
 import yaml
 from mcap_ros2.reader import read_ros2_messages
 from PIL import Image
@@ -341,41 +341,6 @@ def svg(folder):
     return f"{len(paths)} places"
 
 
-REPORT_PROBE = """
-<script>
-window.addEventListener("error", (event) => document.body.setAttribute("data-error", event.message));
-addEventListener("load", () => setTimeout(() => {
-  const { viewer } = globalThis.placegraph;
-  const { data, camera } = viewer;
-  const byId = (id) => document.getElementById(id);
-  byId("show-specks").click();
-  const rows = document.querySelectorAll("#places tbody tr").length;
-  byId("show-graph").click();
-  const hidden = !viewer.shown.graph;
-  byId("show-graph").click();
-  const before = camera.scale;
-  byId("map").dispatchEvent(new KeyboardEvent("keydown", { key: "+" }));
-  const zoomed = camera.scale > before;
-  document.querySelector("#places tbody button").click();
-  const chosen = document.querySelectorAll("tr.chosen").length === 1 && viewer.selected !== null;
-  byId("zoom-fit").click();
-  const box = byId("map").getBoundingClientRect();
-  const point = (place) => {
-    const [x, y] = camera.toScreen(place.at);
-    byId("map").dispatchEvent(new PointerEvent("pointermove", { clientX: box.x + x, clientY: box.y + y }));
-    return byId("tip").textContent;
-  };
-  const tip = point(data.places.find((place) => data.placeAt(place.at) === place));
-  const doorway = data.byId.get(@DOORWAY@);
-  const doorwayTip = doorway ? point(doorway) : "";
-  const at = byId("at").textContent;
-  const free = viewer.occupancy.values.filter((value) => value === 255).length;
-  document.body.setAttribute("data-probe", JSON.stringify({ rows, places: data.places.length, hidden, zoomed, chosen, tip, at, doorwayTip, free }));
-}, 500));
-</script>
-"""
-
-
 def report(folder):
     html = folder.file("report.html").read_text()
     for word in ("https://", "src=\"http", "@import"):
@@ -383,17 +348,8 @@ def report(folder):
     browser = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
     if not browser:
         raise Skipped("no Chromium")
-    with tempfile.TemporaryDirectory() as scratch:
-        page = pathlib.Path(scratch, "report.html")
-        probe = REPORT_PROBE.replace("@DOORWAY@", str(folder.truth["id"] if folder.truth else 0))
-        page.write_text(html.replace("<script type=", probe + "<script type=", 1))
-        flags = ["--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={scratch}/profile",
-                 "--window-size=1400,1000", "--virtual-time-budget=4000", "--dump-dom"]
-        done = subprocess.run([browser, *flags, page.as_uri()], check=True, capture_output=True, timeout=120)
-    dom = done.stdout.decode()
-    assert "data-error" not in dom.split("<header", 1)[0], dom[:400]
-    assert 'data-probe="' in dom, "the page's script did not run to its end"
-    probe = json.loads(dom.split('data-probe="', 1)[1].split('"', 1)[0].replace("&quot;", '"'))
+    probe = report_probe.run(browser, html, doorway=folder.truth["id"] if folder.truth else 0)
+    assert "error" not in probe, probe["error"]
     assert probe["rows"] == probe["places"] > 0 and probe["free"] > 0, probe
     assert probe["hidden"] and probe["zoomed"] and probe["chosen"] and "probability" in probe["tip"], probe
     if folder.truth:
