@@ -107,6 +107,15 @@ pub enum Finding {
         /// Their area together, in square meters.
         area_m2: f64,
     },
+    /// Unknown areas that free cells enclose, with hardly a wall between: the middle of halls, out of the lidar's reach.
+    Unexplored {
+        /// Number of such areas of at least 4 m².
+        n_areas: u64,
+        /// Their area together, in square meters.
+        area_m2: f64,
+        /// The area of all free cells, in square meters.
+        free_m2: f64,
+    },
 }
 
 impl Finding {
@@ -121,6 +130,7 @@ impl Finding {
             | Self::Resolution { .. }
             | Self::ReplacedImage(_)
             | Self::YawInDegrees { .. }
+            | Self::Unexplored { .. }
             | Self::NoOccupiedCell => Severity::Warning,
             Self::NoUnknownCell | Self::Smoothed { .. } | Self::Transparent { .. } | Self::Islands { .. } => {
                 Severity::Info
@@ -202,6 +212,14 @@ impl fmt::Display for Finding {
             Self::Transparent { n_cells } => {
                 write!(f, "{n_cells} cells are transparent in the image and were read as unknown or dimmed")
             }
+            Self::Unexplored { n_areas, area_m2, free_m2 } => write!(
+                f,
+                "{n_areas} unknown {} ({area_m2:.0} m² beside {free_m2:.0} m² of free cells) {} enclosed by free cells and \
+                 not by walls: the hall was explored along its walls only, and what borders on unknown cells is taken for \
+                 narrow; drive through the middle as well, or use a lidar of a longer range",
+                if n_areas == 1 { "area" } else { "areas" },
+                if n_areas == 1 { "is" } else { "are" },
+            ),
             Self::Islands { n_islands, area_m2 } => write!(
                 f,
                 "{n_islands} islands of free cells below {ISLAND_M2} m² each ({area_m2:.1} m² together) are separated from the \

@@ -1,5 +1,7 @@
 //! Widths of the areas of a map, for the check.
 
+use std::collections::VecDeque;
+
 use crate::grid::{Grid, Occupancy};
 
 /// The cells of one state, marked in a frame of zeros around the map: no cell has to ask whether it is at the
@@ -54,35 +56,39 @@ pub(super) fn clearance_cells(cells: &Grid<Occupancy>, of: Occupancy) -> Grid<u1
     Grid::from_rows(cells.width(), cells.height(), values)
 }
 
-/// Calls `visit` with the cells of every 8-connected free area, as row-major indices, in the order of their first cells.
-/// Cost: a pass.
-pub(super) fn for_each_free_area(cells: &Grid<Occupancy>, mut visit: impl FnMut(&[u32])) {
-    let mut free = Framed::new(cells, Occupancy::Free);
-    let (steps, stride, width) = (free.steps(), free.stride, cells.width() as usize);
-    // Cells are fewer than 2^32, and the frame is not among them.
-    let in_map = |i: usize| ((i / stride - 1) * width + i % stride - 1) as u32;
-    let (mut open, mut area) = (Vec::new(), Vec::new());
-    for start in 0..free.marks.len() {
-        area.clear();
-        take(&mut free.marks, start, &mut open);
-        while let Some(i) = open.pop() {
-            area.push(in_map(i));
+/// Calls `visit` with every cell of state `of`, as a row-major index, and `end` after the last cell of every 8-connected area
+/// of them, in the order of their first cells. Cost: a pass; memory for the rim of what is visited.
+pub(super) fn for_each_area<T: Default>(
+    cells: &Grid<Occupancy>,
+    of: Occupancy,
+    mut visit: impl FnMut(&mut T, usize),
+    mut end: impl FnMut(T),
+) {
+    let mut framed = Framed::new(cells, of);
+    let (steps, stride, width) = (framed.steps(), framed.stride, cells.width() as usize);
+    let mut open = VecDeque::new();
+    for start in 0..framed.marks.len() {
+        take(&mut framed.marks, start, &mut open);
+        if open.is_empty() {
+            continue;
+        }
+        let mut area = T::default();
+        while let Some(i) = open.pop_front() {
+            visit(&mut area, (i / stride - 1) * width + i % stride - 1);
             for step in steps {
-                take(&mut free.marks, i - step, &mut open);
-                take(&mut free.marks, i + step, &mut open);
+                take(&mut framed.marks, i - step, &mut open);
+                take(&mut framed.marks, i + step, &mut open);
             }
         }
-        if !area.is_empty() {
-            visit(&area);
-        }
+        end(area);
     }
 }
 
 /// Takes the mark from cell `i` and puts the cell on the list of those whose neighbors are to be visited.
-fn take(marks: &mut [u16], i: usize, open: &mut Vec<usize>) {
+fn take(marks: &mut [u16], i: usize, open: &mut VecDeque<usize>) {
     if marks[i] > 0 {
         marks[i] = 0;
-        open.push(i);
+        open.push_back(i);
     }
 }
 
@@ -119,8 +125,7 @@ mod tests {
             ",
         );
         let mut areas = Vec::new();
-        for_each_free_area(&map.cells, |area| {
-            let mut area = area.to_vec();
+        for_each_area(&map.cells, Occupancy::Free, Vec::push, |mut area| {
             area.sort_unstable();
             areas.push(area);
         });

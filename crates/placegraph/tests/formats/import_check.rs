@@ -62,6 +62,7 @@ fn name(finding: &Finding) -> &'static str {
         Finding::Smoothed { .. } => "smoothed",
         Finding::Transparent { .. } => "transparent",
         Finding::Islands { .. } => "islands",
+        Finding::Unexplored { .. } => "unexplored",
         _ => "new",
     }
 }
@@ -193,6 +194,31 @@ fn specks_are_counted() {
     assert!(islands.is_some_and(|(n, area)| n == 12 && (area - 12.0 * 0.0025).abs() < 1e-12), "{found:?}");
 }
 
+#[test]
+fn a_hall_explored_along_its_walls_only_is_told_and_a_core_with_walls_is_not() {
+    // A ring of free cells, 2 m wide, around 8 m x 4 m that are unknown; or the same with a wall around them.
+    let mut hall = room(60, 40, 0.2);
+    let middle = |x: std::ops::Range<u32>, y: std::ops::Range<u32>| {
+        x.flat_map(move |x| y.clone().map(move |y| Cell::new(x, y)))
+    };
+    for cell in middle(12..52, 12..32) {
+        hall.grid.cells[cell] = Occupancy::Unknown;
+    }
+    assert_eq!(names(&hall), ["unexplored"]);
+    let text = check(&hall).to_string();
+    assert!(
+        text.contains("warning: 1 unknown area (32 m² beside 64 m² of free cells) is enclosed"),
+        "{text}"
+    );
+    let mut core = hall.grid.clone();
+    for cell in middle(11..53, 11..33) {
+        if !(12..52).contains(&cell.x) || !(12..32).contains(&cell.y) {
+            core.cells[cell] = Occupancy::Occupied;
+        }
+    }
+    assert!(names(&loaded(core)).is_empty());
+}
+
 fn eval_maps(data: &Path) -> Vec<PathBuf> {
     let folders = fs::read_dir(data.join("eval")).unwrap().map(|entry| entry.unwrap().path());
     let mut maps: Vec<PathBuf> =
@@ -205,6 +231,7 @@ fn eval_maps(data: &Path) -> Vec<PathBuf> {
 fn real_maps_pass_and_spoiled_copies_are_found() {
     let Some(data) = real_maps::folder() else { return };
     let has = |map: &LoadedMap, wanted: &str| usize::from(names(map).contains(&wanted));
+    let mut unexplored = Vec::new();
     let (mut false_alarms, mut inverted, mut too_coarse, mut too_fine) = (0, 0, 0, 0);
     let maps = eval_maps(&data);
     for path in &maps {
@@ -214,6 +241,9 @@ fn real_maps_pass_and_spoiled_copies_are_found() {
         if !alarms.is_empty() {
             println!("false alarm {alarms:?} on {}", path.display());
             false_alarms += 1;
+        }
+        if has(&map, "unexplored") > 0 {
+            unexplored.push(path.clone());
         }
         inverted += has(&negated(&map), "inverted");
         too_coarse += has(&scaled(&map, 10.0), "resolution");
@@ -225,6 +255,10 @@ fn real_maps_pass_and_spoiled_copies_are_found() {
          too coarse, {too_fine} of {n} ten times too fine"
     );
     assert_eq!(false_alarms, 0);
+    // The laser was not driven through the middle of this one.
+    assert_eq!(unexplored, [data.join("eval/ros_willow_2010_10cm/map.yaml")]);
+    let ring = data.join("cases/20-explored-along-walls/factory.yaml");
+    assert!(names(&load_map(&ring, &ReadOptions::default()).unwrap()).contains(&"unexplored"));
     assert!(inverted * 100 >= n * 95, "{inverted} of {n} negatives");
     assert!(too_fine * 100 >= n * 80, "{too_fine} of {n} ten times too fine");
     assert!(too_coarse * 100 >= n * 50, "{too_coarse} of {n} ten times too coarse");
