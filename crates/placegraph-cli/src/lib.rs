@@ -28,6 +28,7 @@ use crate::commands::{
 ///
 /// Threads are started for the whole process: call it once.
 pub fn run(args: impl IntoIterator<Item: Into<OsString> + Clone>) -> u8 {
+    let args = args.into_iter().map(|arg| args::no_option(arg.into()));
     let cli = match Cli::try_parse_from(args) {
         Ok(cli) => cli,
         Err(error) => {

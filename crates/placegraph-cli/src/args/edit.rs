@@ -49,7 +49,7 @@ pub(crate) enum EditCommand {
     /// Join places, including the doorways between them
     Merge {
         /// Places: their names, or points X,Y inside them; the first gives class, number and name
-        #[arg(value_name = "PLACE", num_args = 2.., required = true, allow_hyphen_values = true)]
+        #[arg(value_name = "PLACE", num_args = 2.., required = true)]
         at: Vec<TargetArg>,
     },
     /// Add a doorway
@@ -157,5 +157,10 @@ mod tests {
         assert!(" ".parse::<TargetArg>().is_err());
         assert_eq!("0,1,-2,3.5".parse(), Ok(LineArg([[0.0, 1.0], [-2.0, 3.5]])));
         assert!("0,1,2".parse::<LineArg>().is_err());
+        assert_eq!(
+            " -1,-2.5".parse(),
+            Ok(TargetArg(Target::Point([-1.0, -2.5]))),
+            "as `no_option` guards it"
+        );
     }
 }

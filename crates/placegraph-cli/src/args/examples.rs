@@ -116,6 +116,26 @@ mod tests {
         quoted.collect()
     }
 
+    /// Of values that may begin with a hyphen, several at a time swallow all options after them.
+    #[test]
+    fn no_argument_of_several_values_takes_hyphens() {
+        fn check(command: &clap::Command) {
+            for arg in command.get_arguments() {
+                let is_several = arg.get_num_args().is_some_and(|n| n.max_values() > 1);
+                assert!(
+                    !(is_several && arg.is_allow_hyphen_values_set()),
+                    "{} {}",
+                    command.get_name(),
+                    arg.get_id()
+                );
+            }
+            command.get_subcommands().for_each(check);
+        }
+        let mut program = Cli::command();
+        program.build();
+        check(&program);
+    }
+
     #[test]
     fn the_help_begins_with_what_the_program_does() {
         let help = Cli::command().render_help().to_string();
@@ -133,8 +153,11 @@ mod tests {
             let examples: Vec<&str> = help.lines().filter(|line| line.starts_with("  placegraph ")).collect();
             assert!(examples.iter().any(|line| line.contains(&format!(" {name}"))), "{name}: {help}");
             for line in examples {
-                if let Err(error) = Cli::try_parse_from(words(line)) {
-                    panic!("{line}: {error}");
+                match Cli::try_parse_from(words(line)) {
+                    Ok(cli) => {
+                        assert!(!format!("{cli:?}").contains("\"--"), "{line}: an option is a value: {cli:?}")
+                    }
+                    Err(error) => panic!("{line}: {error}"),
                 }
             }
         }

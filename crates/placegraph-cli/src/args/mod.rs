@@ -21,7 +21,7 @@ pub(crate) use site::SiteArgs;
 pub(crate) use train::{
     EvaluateArgs, FeaturesArg, HoldOutArg, LabelFormatArg, LabelsArgs, MethodArg, TrainArgs,
 };
-pub(crate) use values::{CropArg, Formats, GeoArg, PlacePointArg, PointArg};
+pub(crate) use values::{CropArg, Formats, GeoArg, PlacePointArg, PointArg, no_option};
 
 /// The default limit on the cells of a map.
 pub(crate) const MAX_CELLS: u64 = 400_000_000;

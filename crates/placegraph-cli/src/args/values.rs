@@ -1,5 +1,6 @@
 //! Values with a form of their own.
 
+use std::ffi::OsString;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -93,6 +94,20 @@ pub(crate) fn radius(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(radius_m) if (0.0..=MAX_RADIUS_M).contains(&radius_m) => Ok(radius_m),
         _ => Err(format!("expected meters from 0 to {MAX_RADIUS_M}, found {text:?}")),
+    }
+}
+
+/// `arg` so that the parser of the command line takes a point with a negative coordinate for a value and not for an option: with a
+/// space before it, which the readers of points skip. Several values that may begin with a hyphen would swallow all options
+/// after them.
+pub(crate) fn no_option(arg: OsString) -> OsString {
+    match arg.to_str() {
+        Some(text)
+            if text.starts_with('-') && text.contains(',') && comma_separated::<f64>(text).is_some() =>
+        {
+            format!(" {text}").into()
+        }
+        _ => arg,
     }
 }
 

@@ -17,6 +17,9 @@ use crate::{document, read};
 /// Adds the edit at the end of the file; what stands there stays as it is.
 pub(crate) fn run(args: &EditArgs) -> Result<Outcome> {
     let mut edit = args.action.edit();
+    let before = if args.file.exists() { read::text(&args.file, "edit file")? } else { String::new() };
+    let wrong = || format!("in {}", args.file.display());
+    let earlier = EditFile::from_toml(&before).with_context(wrong)?;
     let mut named = Vec::new();
     if let Some(result) = &args.result {
         let document = document::read(&document::path_in(result), MAX_CELLS)?;
@@ -25,11 +28,9 @@ pub(crate) fn run(args: &EditArgs) -> Result<Outcome> {
                 document.classes.classes().iter().map(|class| class.name.as_str()).collect();
             ensure!(known.contains(&class.as_str()), "expected one of {}, found {class:?}", known.join(", "));
         }
-        named = pin(&mut edit, &document.topology()).with_context(|| format!("in {}", result.display()))?;
+        named = pin(&mut edit, &document.topology(), &earlier)
+            .with_context(|| format!("in {}", result.display()))?;
     }
-    let before = if args.file.exists() { read::text(&args.file, "edit file")? } else { String::new() };
-    let wrong = || format!("in {}", args.file.display());
-    EditFile::from_toml(&before).with_context(wrong)?;
     let mut text = before;
     if !text.is_empty() {
         text.push_str(if text.ends_with('\n') { "\n" } else { "\n\n" });
@@ -45,14 +46,22 @@ pub(crate) fn run(args: &EditArgs) -> Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Replaces names by points inside of the places of `map`, and returns the names.
-fn pin(edit: &mut Edit, map: &TopologicalMap) -> Result<Vec<String>> {
+/// Replaces names by points inside of the places of `map`, and returns the names. A name that only an earlier edit gives stays:
+/// the place will have it when this edit is replayed.
+fn pin(edit: &mut Edit, map: &TopologicalMap, earlier: &EditFile) -> Result<Vec<String>> {
+    let is_given = |wanted: &str| {
+        earlier.edits.iter().any(|edit| matches!(edit, Edit::Rename { name, .. } if name == wanted))
+    };
     let mut named = Vec::new();
     for target in edit.targets_mut() {
-        if let Target::Named(name) = target {
-            let place = place_called(map, name)?;
-            named.push(place.name.clone());
-            *target = Target::Point([place.anchor.x, place.anchor.y]);
+        let Target::Named(name) = target else { continue };
+        match place_called(map, name) {
+            Ok(place) => {
+                named.push(place.name.clone());
+                *target = Target::Point([place.anchor.x, place.anchor.y]);
+            }
+            Err(_) if is_given(name) => {}
+            Err(unknown) => return Err(unknown.into()),
         }
     }
     Ok(named)

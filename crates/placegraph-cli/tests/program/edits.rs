@@ -53,10 +53,26 @@ fn edits_written_by_the_program_apply_and_numbers_stay() {
     edit(&["rename", rooms[0], "kitchen \"1\""]);
     edit(&["remove-doorway", doorway["name"].as_str().unwrap()]);
     edit(&["exclude", rooms[1]]);
+    // The options after names and after points with negative coordinates are options.
+    let merged = out.path().join("merge.toml");
+    let at =
+        |name: &str| before["places"].as_array().unwrap().iter().find(|p| p["name"] == name).unwrap().clone();
+    let point = format!("{},{}", at(rooms[3])["anchor"]["x"], at(rooms[3])["anchor"]["y"]);
+    done(&[&"edit", &"rename", &rooms[1], &"pantry", &"--file", &merged, &"--result", &folder]);
+    done(&[&"edit", &"exclude", &"pantry", &"--file", &merged, &"--result", &folder]);
+    done(&[&"edit", &"merge", &rooms[2], &point, &"--file", &merged, &"--result", &folder]);
+    done(&[&"edit", &"merge", &"-1.5,-2", &"-3,4", &"--file", &merged]);
+    let written = fs::read_to_string(&merged).unwrap();
+    assert!(written.contains(&format!("# {}\n", rooms[2])) && !written.contains("--"), "{written}");
+    assert!(
+        written.contains("action = \"exclude\"\nat = \"pantry\""),
+        "an earlier edit gives this name: {written}"
+    );
+    assert!(written.contains("at = [[-1.5, -2.0], [-3.0, 4.0]]"), "{written}");
     let written = fs::read_to_string(&file).unwrap();
     assert!(written.starts_with("# the operator's own words\n"), "{written}");
     assert!(written.contains(&format!("# {}\n[[edit]]\naction = \"rename\"\nat = [", rooms[0])), "{written}");
-    assert_eq!(names(out.path()), ["edits.toml", "plain"], "nothing else is left");
+    assert_eq!(names(out.path()), ["edits.toml", "merge.toml", "plain"], "nothing else is left");
 
     let (after, told) = label(&out.path().join("edited"), Some(&file));
     assert_eq!(told.matches("does not apply").count(), 0, "{told}");

@@ -26,10 +26,13 @@ pub struct Applied {
 
 impl fmt::Display for Applied {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = |names: &[String]| if names.is_empty() { "none".to_owned() } else { names.join(", ") };
+        let (was, now) = (self.was.join(", "), self.now.join(", "));
         write!(f, "{}", self.action)?;
-        if !self.was.is_empty() || !self.now.is_empty() {
-            write!(f, ": {} became {}", names(&self.was), names(&self.now))?;
+        match (was.is_empty(), now.is_empty()) {
+            (false, false) => write!(f, ": {was} became {now}")?,
+            (false, true) => write!(f, ": {was} removed")?,
+            (true, false) => write!(f, ": {now} added")?,
+            (true, true) => {}
         }
         if let Some([[ax, ay], [bx, by]]) = self.line {
             write!(f, ", along ({ax:.2}, {ay:.2}) to ({bx:.2}, {by:.2})")?;
