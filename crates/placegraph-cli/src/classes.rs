@@ -86,6 +86,11 @@ impl Classes {
         })
     }
 
+    /// The names of the classes, in their order.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &str> {
+        self.label_set.classes().iter().map(|class| class.name.as_str())
+    }
+
     /// The classes in `file`, or those that stand next to `labels`, or the default ones.
     pub(crate) fn of(file: Option<&Path>, labels: &Path) -> Result<Self> {
         match file {

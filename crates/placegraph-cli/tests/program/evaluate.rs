@@ -121,6 +121,18 @@ fn classes_come_from_the_files_next_to_the_prediction() {
     let report: serde_json::Value = serde_json::from_str(&report).unwrap();
     assert_eq!(report["cells"]["classes"][1]["name"], "way");
     assert_eq!(report["cells"]["n_cells"], 3);
+    // The truth may be painted in colors that a file of classes tells; the result goes on telling its own values.
+    let colors = "[classes]\nhall = { color = [9, 9, 200], role = \"place\" }\nway = { color = [200, 9, 9], role = \"passage\" }\n";
+    fs::write(file("colors.toml"), colors).unwrap();
+    let painted = [[9, 9, 200], [200, 9, 9], [9, 9, 200], [0, 0, 0]].concat();
+    image::RgbImage::from_raw(4, 1, painted).unwrap().save(file("painted.png")).unwrap();
+    let arguments: [&dyn AsRef<std::ffi::OsStr>; 5] =
+        [&"evaluate", &file("labels.png"), &file("painted.png"), &"--classes", &file("colors.toml")];
+    let told = done(&arguments);
+    assert!(told.contains("66.67 %"), "two of three cells: {told}");
+    // Each value that a class may have is told once.
+    let known = stderr(&placegraph(&[&"evaluate", &five, &five, &"--classes", &file("colors.toml")]));
+    assert_eq!(known.matches("color [9, 9, 200]").count(), 1, "{known}");
 }
 
 /// A gray image of one row.

@@ -9,8 +9,7 @@ use crate::syntax::from_toml;
 /// What of a file is read for its classes alone.
 #[derive(Deserialize)]
 struct ClassTable {
-    #[serde(default)]
-    classes: toml::Table,
+    classes: Option<toml::Value>,
 }
 
 /// Colors in pictures for classes that are written by gray value, by role: blues for what one walks along, warm and green ones for
@@ -63,18 +62,22 @@ fn colors(roles: &[Role]) -> Vec<[u8; 3]> {
 /// If it is no TOML, or its classes contradict each other.
 pub fn read_classes(text: &str) -> Result<(LabelSet, LabelCoding), TrainingFileError> {
     let ClassTable { classes } = from_toml(text).map_err(|error| TrainingFileError::Toml { error })?;
-    if classes.is_empty() {
-        return Err(TrainingFileError::NoClasses);
-    }
-    classes_and_coding(classes)
+    classes_and_coding(classes.ok_or(TrainingFileError::NoClasses { found: "none" })?)
 }
 
-/// The classes of a table, the default ones if it is empty, and what pixels and names mean.
-pub(super) fn classes_and_coding(table: toml::Table) -> Result<(LabelSet, LabelCoding), TrainingFileError> {
+/// The classes of a file that names none, and what pixels and names mean.
+pub(super) fn default_classes() -> (LabelSet, LabelCoding) {
+    let classes = LabelSet::default();
+    let coding = LabelCoding::of(&classes);
+    (classes, coding)
+}
+
+/// The classes that stand behind the key `classes`, and what pixels and names mean.
+pub(super) fn classes_and_coding(table: toml::Value) -> Result<(LabelSet, LabelCoding), TrainingFileError> {
+    let found = table.type_str();
+    let toml::Value::Table(table) = table else { return Err(TrainingFileError::NoClasses { found }) };
     if table.is_empty() {
-        let classes = LabelSet::default();
-        let coding = LabelCoding::of(&classes);
-        return Ok((classes, coding));
+        return Err(TrainingFileError::NoClasses { found: "an empty one" });
     }
     let (classes, paints) = own_classes(table)?;
     let mut entries = vec![([0; 3], LabelCell::None), ([255; 3], LabelCell::Ignore)];

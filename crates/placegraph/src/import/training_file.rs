@@ -16,7 +16,7 @@
 use serde::Deserialize;
 
 use super::LabelCoding;
-use super::class_table::classes_and_coding;
+use super::class_table::{classes_and_coding, default_classes};
 use crate::labels::{LabelSet, LabelSetError};
 use crate::syntax::{SyntaxError, from_toml};
 
@@ -60,9 +60,12 @@ pub enum TrainingFileError {
     NoMap,
     /// It has no classes where these are asked for.
     #[error(
-        "expected a table [classes] with lines such as kitchen = {{ value = 4, role = \"place\" }}, found none"
+        "expected a table [classes] with lines such as kitchen = {{ value = 4, role = \"place\" }}, found {found}"
     )]
-    NoClasses,
+    NoClasses {
+        /// What is there instead.
+        found: &'static str,
+    },
     /// A class is not written as it should be.
     #[error("in class {name:?} of [classes]: {error}")]
     Class {
@@ -100,8 +103,7 @@ pub enum TrainingFileError {
 #[serde(deny_unknown_fields)]
 struct Tables {
     map: Vec<TrainingMap>,
-    #[serde(default)]
-    classes: toml::Table,
+    classes: Option<toml::Value>,
 }
 
 impl TrainingFile {
@@ -115,7 +117,10 @@ impl TrainingFile {
         if maps.is_empty() {
             return Err(TrainingFileError::NoMap);
         }
-        let (classes, coding) = classes_and_coding(classes)?;
+        let (classes, coding) = match classes {
+            Some(classes) => classes_and_coding(classes)?,
+            None => default_classes(),
+        };
         Ok(Self { maps, classes, coding })
     }
 }
@@ -167,6 +172,17 @@ mod tests {
         }
         let crop = format!("{MAP}crop = [0, 0, inf, 3]");
         assert!(matches!(TrainingFile::from_toml(&crop), Err(TrainingFileError::Toml { .. })));
+    }
+
+    #[test]
+    fn what_is_no_table_of_classes_is_told_in_words_of_the_file() {
+        for (classes, found) in [("['kitchen']", "array"), ("'kitchen'", "string"), ("{}", "an empty one")] {
+            let text = format!("classes = {classes}\n{MAP}");
+            let wanted = format!("lines such as kitchen = {{ value = 4, role = \"place\" }}, found {found}");
+            let told = TrainingFile::from_toml(&text).unwrap_err().to_string();
+            assert!(told.ends_with(&wanted), "{told}");
+            assert_eq!(super::super::class_table::read_classes(&text).unwrap_err().to_string(), told);
+        }
     }
 
     #[test]

@@ -66,7 +66,10 @@ impl Pair<'_> {
         let size = import::image_size(&bytes, MAX_PIXELS).with_context(in_file)?;
         let name = self.labels.file_stem().unwrap_or_default().to_string_lossy();
         let target = LabelTarget { name: &name, size, frame: self.frame, coding };
-        let predicted = import::read_labels(&bytes, size, coding).with_context(in_file)?;
+        // A result says by itself how it is written; the truth may be painted in other colors.
+        let own = Classes::beside(self.prediction)?.filter(|own| own.names().eq(classes.names()));
+        let own_coding = own.as_ref().map_or(coding, |own| &own.coding);
+        let predicted = import::read_labels(&bytes, size, own_coding).with_context(in_file)?;
         let predicted = predicted.map(|cell| cell.class());
         let mut truth = classes::labels(self.labels, MAX_PIXELS, &target)?.map(|cell| cell.class());
         if let Some(crop) = self.crop {

@@ -1,5 +1,7 @@
 //! What pixels and names of classes mean.
 
+use std::collections::HashSet;
+
 use crate::labels::{LabelCell, LabelSet};
 
 /// Names of labeling tools for cells without a class.
@@ -28,7 +30,9 @@ impl LabelCoding {
     }
 
     /// The coding with these `pixels`, without names; if a value occurs twice, the first counts.
-    pub fn new(pixels: Vec<([u8; 3], LabelCell)>) -> Self {
+    pub fn new(mut pixels: Vec<([u8; 3], LabelCell)>) -> Self {
+        let mut known = HashSet::new();
+        pixels.retain(|(value, _)| known.insert(*value));
         Self { pixels, names: Vec::new() }
     }
 
