@@ -155,7 +155,8 @@ mod tests {
             for line in examples {
                 match Cli::try_parse_from(words(line)) {
                     Ok(cli) => {
-                        assert!(!format!("{cli:?}").contains("\"--"), "{line}: an option is a value: {cli:?}")
+                        let is_value = format!("{cli:?}").contains("\"--");
+                        assert!(!is_value, "{line}: an option is a value: {cli:?}");
                     }
                     Err(error) => panic!("{line}: {error}"),
                 }

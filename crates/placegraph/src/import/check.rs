@@ -160,31 +160,38 @@ struct Unexplored {
 #[derive(Default)]
 struct UnknownArea {
     n_cells: u64,
-    /// Sides of its cells that lie at the border of the map, at free and at occupied cells.
-    n_border: u64,
-    n_free: u64,
-    n_occupied: u64,
+    /// How many sides of its cells lie at the border of the map, at free and at occupied cells.
+    sides: Sides,
+}
+
+#[derive(Default)]
+struct Sides {
+    border: u64,
+    free: u64,
+    occupied: u64,
 }
 
 impl Unexplored {
     fn new(cells: &Grid<Occupancy>, min_cells: f64) -> Self {
-        let (width, n) = (cells.width() as usize, cells.values().len());
+        let (width, height) = (cells.width() as usize, cells.height() as usize);
         let visit = |area: &mut UnknownArea, index: usize| {
             area.n_cells += 1;
-            let inside = [index % width > 0, index % width < width - 1, index >= width, index < n - width];
-            for (is_inside, step) in inside.into_iter().zip([-1, 1, -(width as isize), width as isize]) {
+            let (x, y) = (index % width, index / width);
+            let is_inside = [x > 0, x + 1 < width, y > 0, y + 1 < height];
+            for (is_inside, step) in is_inside.into_iter().zip([-1, 1, -(width as isize), width as isize]) {
                 match is_inside.then(|| cells.values()[index.wrapping_add_signed(step)]) {
-                    None => area.n_border += 1,
-                    Some(Occupancy::Free) => area.n_free += 1,
-                    Some(Occupancy::Occupied) => area.n_occupied += 1,
+                    None => area.sides.border += 1,
+                    Some(Occupancy::Free) => area.sides.free += 1,
+                    Some(Occupancy::Occupied) => area.sides.occupied += 1,
                     Some(Occupancy::Unknown) => {}
                 }
             }
         };
         let mut found = Self::default();
         for_each_area(cells, Occupancy::Unknown, visit, |area| {
-            let open_share = area.n_free as f64 / (area.n_free + area.n_occupied).max(1) as f64;
-            if area.n_border == 0 && area.n_cells as f64 >= min_cells && open_share > MIN_OPEN_SHARE {
+            let Sides { border, free, occupied } = area.sides;
+            let open_share = free as f64 / (free + occupied).max(1) as f64;
+            if border == 0 && area.n_cells as f64 >= min_cells && open_share > MIN_OPEN_SHARE {
                 found.n_areas += 1;
                 found.n_cells += area.n_cells;
             }
