@@ -34,21 +34,26 @@ export const bytesOf = (base64) => Uint8Array.from(atob(base64), (c) => c.charCo
 /** Files that came inside of the page. */
 export const decoded = (files) => files.map(({ name, base64 }) => ({ name, bytes: bytesOf(base64) }));
 
-/** The bytes of text with seven bits a character; a backslash stands before what HTML would not leave as it is. */
+/** What HTML would not leave as it is. */
+const LEFT_OUT = [0, 0x0d, 0x3c];
+
+/** The bytes of text with seven bits a character, or twice seven where the first are those of what is left out. */
 export function bytesOfText(text) {
-  const bytes = new Uint8Array(Math.floor((text.length * 7) / 8));
+  const bytes = new Uint8Array(Math.floor((text.length * 14) / 8));
   let [end, bits, nBits] = [0, 0, 0];
-  for (let at = 0; at < text.length; at += 1) {
-    let code = text.charCodeAt(at);
-    if (code === 0x5c) code = text.charCodeAt((at += 1)) ^ 64;
-    bits = (bits << 7) | code;
+  const push = (seven) => {
+    bits = (bits << 7) | seven;
     nBits += 7;
-    if (nBits >= 8) {
-      nBits -= 8;
-      bytes[end] = bits >>> nBits;
-      end += 1;
-      bits &= (1 << nBits) - 1;
-    }
+    if (nBits < 8) return;
+    nBits -= 8;
+    bytes[end] = bits >>> nBits;
+    end += 1;
+    bits &= (1 << nBits) - 1;
+  };
+  for (let at = 0; at < text.length; at += 1) {
+    const code = text.charCodeAt(at);
+    if (code >= 0x100) push(LEFT_OUT[(code >>> 7) - 2]);
+    push(code & 127);
   }
-  return bytes.subarray(0, end);
+  return bytes.slice(0, end);
 }

@@ -102,13 +102,18 @@ fn files<'a>(files: impl Iterator<Item = (&'a str, &'a [u8])>) -> Value {
     files.map(|(name, bytes)| json!({ "name": name, "base64": STANDARD.encode(bytes) })).collect()
 }
 
-/// `bytes` as text, seven bits a character, so that the page is a seventh smaller than with base 64. What HTML does not leave
-/// as it is, and the sign before it, is written as a backslash and the character with its bit of 64 turned over.
+/// What HTML does not leave as it is.
+const LEFT_OUT: [u32; 3] = [0, '\r' as u32, '<' as u32];
+
+/// `bytes` as text, seven bits a byte of UTF-8, so that the page is a seventh smaller than with base 64. What HTML does not leave
+/// as it is is joined with the seven bits after it to one character, which UTF-8 writes with two bytes: nothing is lost.
 fn in_seven_bits(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(bytes.len() / 7 * 8 + bytes.len() / 16);
-    let mut push = |character: u32| match character as u8 {
-        character @ (0 | b'\r' | b'<' | b'\\') => text.extend(['\\', char::from(character ^ 64)]),
-        character => text.push(char::from(character)),
+    let mut text = String::with_capacity(bytes.len() / 7 * 8 + 8);
+    let mut left_out = None;
+    let mut push = |code: u32| match (left_out.take(), LEFT_OUT.iter().position(|&other| other == code)) {
+        (Some(which), _) => text.extend(char::from_u32((2 + which) << 7 | code)),
+        (None, Some(which)) => left_out = Some(which as u32),
+        (None, None) => text.extend(char::from_u32(code)),
     };
     let (mut bits, mut n_bits) = (0u32, 0);
     for &byte in bytes {
@@ -122,6 +127,8 @@ fn in_seven_bits(bytes: &[u8]) -> String {
     if n_bits > 0 {
         push(bits << (7 - n_bits) & 127);
     }
+    // Nothing comes after the last: it stands in the upper half of a byte's values.
+    text.extend(left_out.and_then(|which| char::from_u32(128 | LEFT_OUT[which as usize])));
     text
 }
 
@@ -149,10 +156,11 @@ mod tests {
     /// 0x81 0x80 = 1000000 1100000 00(00000): the last bits are filled up with zeros.
     #[test]
     fn bytes_are_written_seven_bits_at_a_time() {
-        assert_eq!(in_seven_bits(&[0x81, 0x80]), "@`\\@");
+        assert_eq!(in_seven_bits(&[0x81, 0x80]), "@`\u{80}");
         assert_eq!(in_seven_bits(b""), "");
-        // 0x00 0x34 … : 0000000 0001101 0111100 1011100, the four characters that are not left as they are.
-        assert_eq!(in_seven_bits(&[0x00, 0x35, 0xe5, 0xc0]), "\\@\\M\\|\\\u{1c}\\@");
+        // 0x00 0x35 … : 0000000 0001101 0111100 1011100 and 0001101: each that is left out takes the next with it.
+        assert_eq!(in_seven_bits(&[0x00, 0x35, 0xe5, 0xc0]), "\u{10d}\u{25c}\u{80}");
+        assert_eq!(in_seven_bits(&[0x1a]), "\u{180}");
         assert_eq!(in_seven_bits(&[0xff; 7]), "\u{7f}".repeat(8));
     }
 

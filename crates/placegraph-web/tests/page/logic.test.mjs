@@ -238,12 +238,18 @@ test("text of seven bits a character is the bytes that it was made of", () => {
   /** As the program writes it. */
   const written = (bytes) => {
     const bits = bytes.map((byte) => byte.toString(2).padStart(8, "0")).join("");
-    return (bits.match(/.{1,7}/g) ?? []).map((seven) => {
-      const code = Number.parseInt(seven.padEnd(7, "0"), 2);
-      return [0, 13, 0x3c, 0x5c].includes(code) ? `\\${String.fromCharCode(code ^ 64)}` : String.fromCharCode(code);
-    }).join("");
+    const sevens = (bits.match(/.{1,7}/g) ?? []).map((seven) => Number.parseInt(seven.padEnd(7, "0"), 2));
+    let text = "";
+    for (let k = 0; k < sevens.length; k += 1) {
+      const which = [0, 13, 0x3c].indexOf(sevens[k]);
+      if (which < 0) text += String.fromCharCode(sevens[k]);
+      else if (k + 1 === sevens.length) text += String.fromCharCode(0x80 + sevens[k]);
+      else text += String.fromCharCode(0x100 + 0x80 * which + sevens[(k += 1)]);
+    }
+    return text;
   };
-  assert.equal(written([0x81, 0x80]), "@`\\@");
+  assert.equal(written([0x81, 0x80]), "@`\u0080");
+  assert.equal(written([0x00, 0x35, 0xe5, 0xc0]), "\u010d\u025c\u0080");
   const next = numbers(2);
   for (let length = 0; length < 90; length += 1) {
     const bytes = Array.from({ length }, () => Math.floor(next.next().value * 256));

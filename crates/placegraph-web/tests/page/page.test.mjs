@@ -3,8 +3,9 @@ import test, { after, before } from "node:test";
 import assert from "node:assert/strict";
 import { statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
+import { fileURLToPath } from "node:url";
 import { gzipSync, deflateSync, crc32 as crcOf } from "node:zlib";
-import { assertSame, bothResults, drop, editsOf, file, folder, launch, officeFiles, openOffice, openPage, places, read, settled, waitForEdits } from "./browser.mjs";
+import { assertSame, bothResults, drop, editsOf, file, folder, launch, officeFiles, openOffice, openPage, PAGE, places, read, settled, waitForEdits } from "./browser.mjs";
 
 let browser;
 before(async () => { browser = await launch(); });
@@ -18,6 +19,13 @@ const onPage = (name, options, act) => test(name, async () => {
   } finally {
     await page.context().close();
   }
+});
+
+const MAX_PAGE_BYTES = 2_000_000;
+
+test("the page is smaller than 2 MB", () => {
+  const { size } = statSync(fileURLToPath(PAGE));
+  assert.ok(size < MAX_PAGE_BYTES, `${size} bytes`);
 });
 
 onPage("a dropped map is shown, and the result is the program's, byte for byte", {}, async (page) => {
