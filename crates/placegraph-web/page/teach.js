@@ -3,7 +3,8 @@
 import { legend } from "../../placegraph/assets/viewer/controls.js";
 import { lettersOf } from "../../placegraph/assets/viewer/mapdata.js";
 import { FREE } from "../../placegraph/assets/viewer/layers.js";
-import { palette, Raster } from "../../placegraph/assets/viewer/raster.js";
+import { palette } from "../../placegraph/assets/viewer/raster.js";
+import { LetteredRaster } from "./letters.js";
 import { joinedClasses, NOTHING, Painting, withValues } from "./painting.js";
 import { PaintTool } from "./painttool.js";
 import { polygon } from "./shapes.js";
@@ -224,7 +225,8 @@ export class Teach {
       const said = painting.numbered(result.classes);
       values = values.map((value, cell) => (value !== NOTHING && said[cell] !== result.values[cell] ? value : NOTHING));
     }
-    const raster = new Raster(values, painting.width, painting.height);
+    const letters = lettersOf(painting.classes.map(({ name }) => name));
+    const raster = new LetteredRaster(values, painting.width, painting.height, new Map(painting.classes.map(({ value }, k) => [value, letters[k]])));
     raster.color(palette((value) => {
       const color = painting.classOf(value)?.color;
       return color ? [...color, PAINT_ALPHA] : [0, 0, 0, 0];

@@ -65,10 +65,12 @@ export class TeachPanel {
     painting.classes.forEach((info, index) => {
       const item = element(list, "div");
       radio(item, info.value, info.name);
-      element(item, "input", {
+      const color = element(item, "span", { class: "color" });
+      element(color, "input", {
         type: "color", id: `color-${info.value}`, value: hex(info.color), "aria-label": `Color of ${info.name}`, title: `Color; letter ${letters[index]}`,
         onchange: ({ target }) => on.changeClass(info.value, { color: fromHex(target.value) }),
       });
+      element(color, "span", { "aria-hidden": "true" }, letters[index]);
       element(item, "input", {
         id: `name-${info.value}`, value: info.name, maxlength: MAX_CLASS_NAME, autocomplete: "off", "aria-label": `Name of class ${index + 1}`,
         onchange: ({ target }) => on.changeClass(info.value, { name: target.value.trim() }),

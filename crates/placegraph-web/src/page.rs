@@ -15,7 +15,7 @@ const STYLE: &str = include_str!("../page/page.css");
 const WORKER: [&str; 2] = [include_str!("../page/lzma.js"), include_str!("../page/worker.js")];
 
 /// The page's modules, each after those that it uses.
-const MODULES: [&str; 21] = [
+const MODULES: [&str; 22] = [
     include_str!("../page/acts.js"),
     include_str!("../page/history.js"),
     include_str!("../page/files.js"),
@@ -32,6 +32,7 @@ const MODULES: [&str; 21] = [
     include_str!("../page/editlist.js"),
     include_str!("../page/takealong.js"),
     include_str!("../page/painting.js"),
+    include_str!("../page/letters.js"),
     include_str!("../page/shapes.js"),
     include_str!("../page/painttool.js"),
     include_str!("../page/teachpanel.js"),

@@ -2,6 +2,7 @@
 import test from "node:test";
 import assert from "node:assert/strict";
 import { isInside } from "../../../placegraph/assets/viewer/mapdata.js";
+import { letterSpots } from "../../page/letters.js";
 import { joinedClasses, MAX_CLASSES, Painting, runsBetween, withValues } from "../../page/painting.js";
 import { brush, flood, polygon } from "../../page/shapes.js";
 import { numbers } from "./numbers.mjs";
@@ -120,4 +121,29 @@ test("paintings are learned from together by the names of their classes", () => 
   assert.deepEqual(classes.map(({ name }) => name), ["hall", "office", "door", "lab"]);
   assert.deepEqual([...one.numbered(classes).slice(0, 3)], [1, 2, 3]);
   assert.deepEqual([...two.numbered(classes).slice(0, 3)], [4, 3, 0]);
+});
+
+test("what is painted has the letters of its classes at every zoom, none on another, and they move with the map", () => {
+  const [width, height] = [600, 400];
+  const values = new Uint8Array(width * height);
+  const paint = (value, x0, y0, x1, y1) => { for (let y = y0; y < y1; y += 1) values.fill(value, y * width + x0, y * width + x1); };
+  paint(1, 10, 10, 300, 200);
+  paint(2, 310, 10, 590, 390);
+  paint(3, 300, 80, 310, 110);
+  paint(4, 100, 300, 101, 302);
+  const whole = [0, 0, width, height];
+  for (const scale of [0.3, 1, 1.7, 6]) {
+    const spots = letterSpots({ values, width, height }, scale, whole);
+    for (const [k, { value, at }] of spots.entries()) {
+      assert.equal(values[Math.floor(at[1]) * width + Math.floor(at[0])], value);
+      for (const other of spots.slice(k + 1)) assert.ok(Math.hypot(at[0] - other.at[0], at[1] - other.at[1]) * scale >= 17);
+    }
+    const seen = new Set(spots.map(({ value }) => value));
+    // The doorway has a letter where there is room for one, the speck at no zoom of these.
+    assert.deepEqual([1, 2, 3, 4].map((value) => seen.has(value)), [true, true, scale >= 1, false], `${scale}`);
+    const inside = ({ at }) => at[0] > 200 && at[1] > 120 && at[0] < 400 && at[1] < 280;
+    const moved = letterSpots({ values, width, height }, scale, [100, 20, 500, 380]).filter(inside);
+    const key = ({ value, at }) => `${value} ${at}`;
+    assert.deepEqual(new Set(moved.map(key)), new Set(spots.filter(inside).map(key)), `${scale}`);
+  }
 });
