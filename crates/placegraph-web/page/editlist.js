@@ -42,11 +42,14 @@ export class EditPanel {
     const fields = ["from x", "from y", "to x", "to y"].map((name) =>
       element(element(form, "label", {}, `${name}, m`), "input", { type: "number", step: "any", required: true, "aria-label": `${name} in meters` }));
     element(form, "button", { id: "line-add" }, "Draw");
+    const why = element(details, "p", { class: "why", id: "line-why", role: "status" });
     form.addEventListener("submit", (event) => {
       event.preventDefault();
       const [ax, ay, bx, by] = fields.map((field) => Number(field.value));
       const place = this.on.place();
-      if (kind.value === "move_doorway" && !place) return;
+      const isLost = kind.value === "move_doorway" && !place;
+      why.textContent = isLost ? "Choose the doorway to move first, in the list of places." : "";
+      if (isLost) return;
       this.on.edit(lineEdit(kind.value, [[ax, ay], [bx, by]], place));
     });
   }

@@ -1,5 +1,6 @@
 // A browser with the page, and what the tests do in it.
 import { execFileSync } from "node:child_process";
+import test, { after, before } from "node:test";
 import assert from "node:assert/strict";
 import { mkdirSync, mkdtempSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -27,6 +28,22 @@ export async function openPage(browser, options = {}) {
   page.on("dialog", (dialog) => { errors.push(`dialog: ${dialog.message()}`); dialog.dismiss(); });
   await page.goto(PAGE);
   return Object.assign(page, { errors });
+}
+
+/** Tests in a browser of their own: the function that is returned makes one, on a page in which nothing may go wrong. */
+export function onPages() {
+  let browser;
+  before(async () => { browser = await launch(); });
+  after(() => browser?.close());
+  return (name, options, act) => test(name, async () => {
+    const page = await openPage(browser, options);
+    try {
+      await act(page);
+      assert.deepEqual(page.errors, []);
+    } finally {
+      await page.context().close();
+    }
+  });
 }
 
 export const file = (name, buffer) => ({ name, mimeType: "application/octet-stream", buffer: Buffer.from(buffer) });
@@ -75,6 +92,36 @@ export async function waitForEdits(page, n) {
   await page.evaluate(() => globalThis.placegraph.state.changing);
   return settled(page);
 }
+
+/** The largest place of a class. */
+export const chosen = (page, kind) => places(page).then((all) => all.filter((place) => place.class === kind).sort((a, b) => b.area_m2 - a.area_m2)[0]);
+
+/** Chooses a place with the mouse. */
+export async function clickPlace(page, place) {
+  await page.click("#tools button[data-tool='']");
+  await page.mouse.click(...place.at);
+  await page.waitForFunction((id) => globalThis.placegraph.viewer.selected === id, place.id);
+}
+
+/** Moves the keyboard's cross to a point of the screen, from where it is; returns where it is then. */
+export async function cross(page, from, to) {
+  const at = [...from];
+  for (const axis of [0, 1]) {
+    const [back, ahead] = axis ? ["ArrowUp", "ArrowDown"] : ["ArrowLeft", "ArrowRight"];
+    for (const [prefix, length] of [["", 12], ["Shift+", 1]]) {
+      const n = Math.trunc((to[axis] - at[axis]) / length);
+      for (let k = 0; k < Math.abs(n); k += 1) await page.keyboard.press(prefix + (n < 0 ? back : ahead));
+      at[axis] += n * length;
+    }
+  }
+  return at;
+}
+
+/** The middle of the map on the screen, where the cross appears. */
+export const middleOfMap = (page) => page.evaluate(() => {
+  const { x, y, width, height } = globalThis.placegraph.viewer.canvas.getBoundingClientRect();
+  return [x + width / 2, y + height / 2];
+});
 
 /** The bytes of the download that `act` starts. */
 export async function downloaded(page, act) {

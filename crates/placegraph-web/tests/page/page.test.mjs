@@ -1,27 +1,15 @@
 // The page in a browser: PLACEGRAPH_PAGE=page.html PLACEGRAPH_PROGRAM=placegraph node --test
-import test, { after, before } from "node:test";
+import test from "node:test";
 import assert from "node:assert/strict";
 import { statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
-import { fileURLToPath } from "node:url";
+import { fileURLToPath, pathToFileURL } from "node:url";
 import { gzipSync, deflateSync, crc32 as crcOf } from "node:zlib";
-import { assertSame, bothResults, drop, editsOf, file, folder, launch, officeFiles, openOffice, openPage, PAGE, places, read, settled, waitForEdits } from "./browser.mjs";
-
-let browser;
-before(async () => { browser = await launch(); });
-after(() => browser?.close());
-
-const onPage = (name, options, act) => test(name, async () => {
-  const page = await openPage(browser, options);
-  try {
-    await act(page);
-    assert.deepEqual(page.errors, []);
-  } finally {
-    await page.context().close();
-  }
-});
+import { assertSame, bothResults, chosen, clickPlace, drop, file, folder, officeFiles, officeFolder, onPages, openOffice, PAGE, places, program, read, settled, waitForEdits } from "./browser.mjs";
 
 const MAX_PAGE_BYTES = 2_000_000;
+
+const onPage = onPages();
 
 test("the page is smaller than 2 MB", () => {
   const { size } = statSync(fileURLToPath(PAGE));
@@ -43,130 +31,20 @@ onPage("every export is the program's, byte for byte", {}, async (page) => {
   assertSame(await bothResults(page, formats));
 });
 
-const chosen = (page, kind) => places(page).then((all) => all.filter((place) => place.class === kind).sort((a, b) => b.area_m2 - a.area_m2)[0]);
-
-/** Chooses a place with the mouse. */
-async function clickPlace(page, place) {
-  await page.click("#tools button[data-tool='']");
-  await page.mouse.click(...place.at);
-  await page.waitForFunction((id) => globalThis.placegraph.viewer.selected === id, place.id);
-}
-
-async function dragLine(page, tool, from, to) {
-  await page.click(`#tools button[data-tool="${tool}"]`);
-  await page.mouse.move(...from);
-  await page.mouse.down();
-  await page.mouse.move((from[0] + to[0]) / 2, (from[1] + to[1]) / 2);
-  await page.mouse.move(...to);
-  await page.mouse.up();
-  await page.click("#tools button[data-tool='']");
-}
-
-/** Draws the first of the lines that does something, as the page says: rooms have many forms. */
-async function drawOne(page, tool, lines) {
-  const n = (await editsOf(page)).length;
-  for (const line of lines) {
-    await dragLine(page, tool, ...line);
-    await waitForEdits(page, n + 1);
-    if (await page.evaluate(() => !globalThis.placegraph.state.outcomes.at(-1)?.error)) return;
-    await page.focus("#map");
-    await page.keyboard.press("Control+z");
-    await waitForEdits(page, n);
-  }
-  assert.fail(`no line was right for ${tool}`);
-}
-
-/** Lines across the middles of all rooms, the largest first. */
-async function acrossRooms(page) {
-  const rooms = (await places(page)).filter((place) => place.class === "room").sort((a, b) => b.area_m2 - a.area_m2);
-  return Promise.all(rooms.map((room) => across(page, room.id)));
-}
-
-/** A line across the middle of a place, wall to wall, on the screen. */
-const across = (page, id) => page.evaluate((wanted) => {
-  const { viewer } = globalThis.placegraph;
-  const place = viewer.data.byId.get(wanted);
-  const box = viewer.canvas.getBoundingClientRect();
-  const y = (place.box[1] + place.box[3]) / 2;
-  const ends = [[place.box[0] - 1, y], [place.box[2] + 1, y]];
-  return ends.map((at) => { const [sx, sy] = viewer.camera.toScreen(at); return [box.x + sx, box.y + sy]; });
-}, id);
-
-onPage("every act by mouse is replayed by the program to the same bytes", {}, async (page) => {
-  await openOffice(page);
-  await clickPlace(page, await chosen(page, "room"));
-  await page.fill("#name", "kitchen <b>&\"'");
-  await page.click("#rename");
-  await waitForEdits(page, 1);
-  assert.equal(await page.textContent("#panel-places h2"), "R kitchen <b>&\"'".replace("R ", "R "));
-  await page.selectOption("#class", "corridor");
-  await waitForEdits(page, 2);
-  await page.click("#merge");
-  await waitForEdits(page, 3);
-  await drawOne(page, "split", await acrossRooms(page));
-  await drawOne(page, "add_doorway", await acrossRooms(page));
-  let doorway = (await places(page)).find((place) => place.class === "doorway");
-  await page.click(`#places button[data-id="${doorway.id}"]`);
-  await page.click("#remove-doorway");
-  await waitForEdits(page, 6);
-  doorway = (await places(page)).find((place) => place.class === "doorway");
-  await page.click(`#places button[data-id="${doorway.id}"]`);
-  const [a, b] = (await places(page)).find(({ id }) => id === doorway.id).jambs;
-  await dragLine(page, "close", a, b);
-  await waitForEdits(page, 7);
-  // Through the wall that was drawn, as far on both sides as the door is wide.
-  const [middle, normal] = [[(a[0] + b[0]) / 2, (a[1] + b[1]) / 2], [(a[1] - b[1]) / 2, (b[0] - a[0]) / 2]];
-  const through = (share) => [1, -1].map((side) => [0, 1].map((axis) => middle[axis] + side * share * normal[axis]));
-  await drawOne(page, "open", [0.5, 1, 2].map(through));
-  const small = (await places(page)).filter((place) => place.class === "room").at(-1);
-  await page.click(`#places button[data-id="${small.id}"]`);
-  await page.click("#exclude");
-  await waitForEdits(page, 9);
-  assert.deepEqual((await editsOf(page)).map(({ action }) => action),
-    ["rename", "relabel", "merge", "split", "add_doorway", "remove_doorway", "close", "open", "exclude"]);
-  const results = await bothResults(page);
-  assertSame(results);
-  assert.ok(results.page.get("topology.json").includes("kitchen <b>&"));
-});
-
-onPage("acts by keyboard alone: find, rename, draw a split, undo, redo", {}, async (page) => {
-  await openOffice(page);
-  await page.keyboard.press("/");
-  await page.keyboard.type("room");
-  await page.keyboard.press("Tab");
-  await page.keyboard.press("Enter");
-  await page.focus("#name");
-  await page.keyboard.press("Control+a");
-  await page.keyboard.type("office of Ada");
-  await page.keyboard.press("Enter");
-  await waitForEdits(page, 1);
-  assert.ok((await places(page)).some(({ name }) => name === "office of Ada"));
-  await page.focus("#map");
-  await page.keyboard.press("s");
-  await page.waitForFunction(() => document.activeElement.id === "map");
-  for (const key of ["ArrowLeft", "Enter", ...Array(8).fill("ArrowRight"), "Enter"]) await page.keyboard.press(key);
-  await waitForEdits(page, 2);
-  assert.equal((await editsOf(page))[1].action, "split");
-  await page.keyboard.press("Control+z");
-  await waitForEdits(page, 1);
-  await page.keyboard.press("Control+z");
-  await waitForEdits(page, 0);
-  assert.ok(!(await places(page)).some(({ name }) => name === "office of Ada"));
-  await page.keyboard.press("Control+Shift+z");
-  await waitForEdits(page, 1);
-  assertSame(await bothResults(page));
-});
-
-onPage("lines can be drawn by their coordinates", {}, async (page) => {
-  await openOffice(page);
-  await page.click("#tab-edits");
-  await page.click("summary");
-  const fields = await page.$$("#line-form input");
-  for (const [i, value] of [-14, 1, -10, 1].entries()) await fields[i].fill(String(value));
-  await page.click("#line-add");
-  await waitForEdits(page, 1);
-  assert.deepEqual(await editsOf(page), [{ action: "split", line: [[-14, 1], [-10, 1]] }]);
-  assert.match(await page.textContent("#edits-text"), /action = "split"/);
+onPage("the program writes pages that open with a result, and with a map", {}, async (page) => {
+  const path = officeFolder();
+  program(["map", "map.yaml", "--out", "out"], path);
+  program(["page", "-o", "result.html", "--result", "out"], path);
+  await page.goto(pathToFileURL(join(path, "result.html")).href);
+  await settled(page);
+  const named = async () => (await places(page)).map(({ name }) => name);
+  const names = await named();
+  assert.ok(names.length > 10);
+  assert.match(await page.textContent("#panel-edits"), /Open its map to mend it/);
+  program(["page", "-o", "map.html", "--map", "map.yaml"], path);
+  await page.goto(pathToFileURL(join(path, "map.html")).href);
+  assert.equal(await settled(page), "shown");
+  assert.deepEqual(await named(), names);
 });
 
 onPage("edits survive a reload, with their past", {}, async (page) => {

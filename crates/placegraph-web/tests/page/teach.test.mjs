@@ -1,26 +1,16 @@
 // Painting and training on the page: PLACEGRAPH_PAGE=page.html PLACEGRAPH_PROGRAM=placegraph node --test
-import test, { after, before } from "node:test";
 import assert from "node:assert/strict";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
-import { assertSame, bothResults, downloaded, folder, launch, officeFolder, openOffice, openPage, places, program, settled, unzipped } from "./browser.mjs";
+import { assertSame, bothResults, cross, downloaded, folder, middleOfMap, officeFolder, onPages, openOffice, places, program, settled, unzipped } from "./browser.mjs";
 
 const TRAINING_MS = 600_000;
 
-let browser;
-before(async () => { browser = await launch(); });
-after(() => browser?.close());
-
-const onPage = (name, act) => test(name, async () => {
-  const page = await openPage(browser);
-  try {
-    await openOffice(page);
-    await page.click("#tab-teach");
-    await act(page);
-    assert.deepEqual(page.errors, []);
-  } finally {
-    await page.context().close();
-  }
+const onAnyPage = onPages();
+const onPage = (name, act) => onAnyPage(name, {}, async (page) => {
+  await openOffice(page);
+  await page.click("#tab-teach");
+  await act(page);
 });
 
 /** What is painted: cells of every class by its name, and how many steps can be undone. */
@@ -55,25 +45,6 @@ const boxOnScreen = (page, id, grown = 0) => page.evaluate(async ([wanted, margi
   const onScreen = (at) => { const [x, y] = viewer.camera.toScreen(at); return [canvas.x + x, canvas.y + y]; };
   return [[x0 - margin, y0 - margin], [x1 + margin, y0 - margin], [x1 + margin, y1 + margin], [x0 - margin, y1 + margin]].map(onScreen);
 }, [id, grown]);
-
-/** Moves the keyboard's cross to a point of the screen, from where it is; returns where it is then. */
-async function cross(page, from, to) {
-  const at = [...from];
-  for (const axis of [0, 1]) {
-    const [back, ahead] = axis ? ["ArrowUp", "ArrowDown"] : ["ArrowLeft", "ArrowRight"];
-    for (const [prefix, length] of [["", 12], ["Shift+", 1]]) {
-      const n = Math.trunc((to[axis] - at[axis]) / length);
-      for (let k = 0; k < Math.abs(n); k += 1) await page.keyboard.press(prefix + (n < 0 ? back : ahead));
-      at[axis] += n * length;
-    }
-  }
-  return at;
-}
-
-const middleOfMap = (page) => page.evaluate(() => {
-  const { x, y, width, height } = globalThis.placegraph.viewer.canvas.getBoundingClientRect();
-  return [x + width / 2, y + height / 2];
-});
 
 async function train(page) {
   await page.click("#train");
