@@ -3,7 +3,9 @@ import test, { after, before } from "node:test";
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { launch, openOffice, openPage, places } from "./browser.mjs";
+import { join } from "node:path";
+import { fileURLToPath, pathToFileURL } from "node:url";
+import { launch, officeFolder, openOffice, openPage, places, program, ROOT } from "./browser.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const PICTURES = process.env.PLACEGRAPH_PICTURES;
@@ -56,15 +58,38 @@ for (const [name, options] of VIEWS) {
   });
 }
 
+const isNarrow = (page) => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
+
+test("axe-core finds nothing wrong: the reports of a map and of training", async () => {
+  const path = officeFolder();
+  program(["map", "map.yaml", "--out", "out", "--export", "report"], path);
+  const home = (name) => fileURLToPath(new URL(`maps/home/${name}`, ROOT));
+  program(["train", "--map", home("map.yaml"), "--labels", home("labels-five.png"), "--classes", home("five-classes.toml"), "--max-cells-per-class", "60",
+    "-o", "five.model.json", "--report", "training.html"], path);
+  for (const report of ["out/report.html", "training.html"]) {
+    for (const [name, options] of VIEWS) {
+      const page = await openPage(browser, options);
+      try {
+        await page.goto(pathToFileURL(join(path, report)).href);
+        await page.waitForFunction(() => document.querySelector("h1").textContent);
+        assert.deepEqual(await violations(page), [], `${report}, ${name}`);
+        assert.ok(await isNarrow(page), `${report}, ${name}`);
+        if (PICTURES) await page.screenshot({ path: `${PICTURES}/${report.replace(/\W/g, "-")}-${name}.png` });
+      } finally {
+        await page.context().close();
+      }
+    }
+  }
+});
+
 test("nothing is wider than a narrow screen", async () => {
   const page = await openPage(browser, { viewport: { width: 320, height: 700 } });
   try {
     await openOffice(page);
-    const isNarrow = () => page.evaluate(() => document.documentElement.scrollWidth <= innerWidth);
-    assert.ok(await isNarrow());
+    assert.ok(await isNarrow(page));
     await page.click("#tab-teach");
     await page.click("#start-model");
-    assert.ok(await isNarrow());
+    assert.ok(await isNarrow(page));
   } finally {
     await page.context().close();
   }

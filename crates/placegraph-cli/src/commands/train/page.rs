@@ -18,15 +18,18 @@ const MAX_PIXELS: usize = 4_000_000;
 /// Features that the page lists.
 const MAX_FEATURES: usize = 20;
 
-const STYLE: &str = "body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222;background:#fff}\
-h2{margin-top:2.5rem}table{border-collapse:collapse}td,th{padding:.2rem .7rem;text-align:right;border-bottom:1px solid #ddd}\
-td:first-child,th:first-child{text-align:left}.big{font-size:1.3rem}.note{color:#555}img{max-width:100%;image-rendering:pixelated;\
-border:1px solid #ddd}.swatch{display:inline-block;width:.8em;height:.8em;margin-right:.3em}svg text{font:12px system-ui,sans-serif}";
+const STYLE: &str = ":root{color-scheme:light dark}body{font:16px/1.5 system-ui,sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;\
+color:light-dark(#222,#e8ebf1);background:light-dark(#fff,#12151b)}h1,h2,h3{line-height:1.25}h2{margin-top:2.5rem}table{border-collapse:collapse}\
+.wide{overflow-x:auto}td,th{padding:.2rem .7rem;text-align:right;white-space:nowrap;border-bottom:1px solid light-dark(#ddd,#323946)}\
+td:first-child,th:first-child{text-align:left}.big{font-size:1.3rem}.note{color:light-dark(#555,#a2acbc)}\
+img{width:min(100%,48rem);image-rendering:pixelated;border:1px solid light-dark(#ddd,#323946)}svg{max-width:100%}\
+.swatch{display:inline-block;width:.8em;height:.8em;margin-right:.3em}svg text{font:12px system-ui,sans-serif;fill:currentColor}";
 
 /// The page about a model that was trained on `maps`.
 pub(super) fn html(report: &TrainingReport, maps: &[LabeledMap], classes: &LabelSet) -> String {
     let mut page = format!(
-        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><title>Training report</title><style>{STYLE}</style></head>\
+        "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>Training report</title><style>{STYLE}</style></head>\
          <body>\n<h1>Training report</h1>\n"
     );
     // Writing to a string cannot fail.
@@ -37,7 +40,7 @@ pub(super) fn html(report: &TrainingReport, maps: &[LabeledMap], classes: &Label
         }
         Some(validation) => {
             let _ = writeln!(page, "<p class=\"big\">{}</p>", escaped(&words::verdict(validation)));
-            let _ = writeln!(page, "<p class=\"note\">{}</p>", escaped(words::CELL_BY_CELL));
+            let _ = writeln!(page, "<p class=\"note\">{}</p>", in_code(&escaped(words::CELL_BY_CELL)));
             page += &maps_table(validation, maps);
             page += &confusion_table(&validation.confusion, classes);
             page += &pictures(validation, maps, classes);
@@ -60,6 +63,19 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
+/// What stands between backticks, as code.
+fn in_code(text: &str) -> String {
+    let parts = text.split('`').enumerate();
+    joined(parts.map(|(k, part)| if k % 2 == 1 { format!("<code>{part}</code>") } else { part.to_owned() }))
+}
+
+/// A table that scrolls where it is wider than the screen.
+fn table(name: &str, rows: &str) -> String {
+    format!(
+        "<div class=\"wide\" role=\"region\" aria-label=\"{name}\" tabindex=\"0\"><table>{rows}</table></div>"
+    )
+}
+
 fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
@@ -77,7 +93,8 @@ fn maps_table(validation: &Validation, maps: &[LabeledMap]) -> String {
         )
     };
     let rows = joined(validation.maps.iter().map(row));
-    format!("<h2>{title}</h2><table><tr><th>map</th><th>cells right</th></tr>{rows}</table>\n")
+    let table = table(title, &format!("<tr><th>map</th><th>cells right</th></tr>{rows}"));
+    format!("<h2>{title}</h2>{table}\n")
 }
 
 fn swatch(classes: &LabelSet, label: Label) -> String {
@@ -109,9 +126,9 @@ fn confusion_table(confusion: &ConfusionMatrix, classes: &LabelSet) -> String {
              classes, or label more of the rarer one.</p>"
         )
     };
-    format!(
-        "<h2>What is taken for what</h2><table><tr><th>true class</th>{header}</tr>{rows}</table>{alike}\n"
-    )
+    let title = "What is taken for what";
+    let table = table(title, &format!("<tr><th>true class</th>{header}</tr>{rows}"));
+    format!("<h2>{title}</h2>{table}{alike}\n")
 }
 
 fn pictures(validation: &Validation, maps: &[LabeledMap], classes: &LabelSet) -> String {
@@ -189,8 +206,8 @@ fn plot(points: &[(f64, f64)], x_name: &str, y_name: &str, diagonal: bool) -> St
         )
     }));
     format!(
-        "<svg width=\"380\" height=\"300\" role=\"img\" aria-label=\"{y_name} by {x_name}\"><path d=\"M50 20V260H350\" fill=\"none\" \
-         stroke=\"#444\"/>{diagonal}<polyline points=\"{}\" fill=\"none\" stroke=\"#2a6fb0\" stroke-width=\"2\"/>{dots}{ticks}\
+        "<svg width=\"380\" viewBox=\"0 0 380 300\" role=\"img\" aria-label=\"{y_name} by {x_name}\"><path d=\"M50 20V260H350\" fill=\"none\" \
+         stroke=\"currentColor\"/>{diagonal}<polyline points=\"{}\" fill=\"none\" stroke=\"#2a6fb0\" stroke-width=\"2\"/>{dots}{ticks}\
          <text x=\"200\" y=\"294\" text-anchor=\"middle\">{x_name} (%)</text><text x=\"54\" y=\"16\">{y_name} (%)</text></svg>",
         line.join(" ")
     )
@@ -217,6 +234,9 @@ fn reliability(validation: &Validation) -> String {
     )
 }
 
+const ROUNDS: &str =
+    "<tr><th>rounds</th><th>cells right</th><th>best temperature</th><th>mean −ln p</th></tr>";
+
 fn orders(validation: &Validation, classes: &LabelSet) -> String {
     let rows = joined(words::best_orders(validation, classes).iter().map(|(accuracy, macro_f1, names)| {
         format!("<tr><td>{}</td><td>{}</td><td>{macro_f1:.3}</td></tr>", escaped(names), percent(*accuracy))
@@ -232,10 +252,11 @@ fn orders(validation: &Validation, classes: &LabelSet) -> String {
     }));
     format!(
         "<h2>What was chosen</h2><p>{} rounds of boosting and temperature {}, which make the mean of −ln p of the true class smallest.</p>\
-         <table><tr><th>rounds</th><th>cells right</th><th>best temperature</th><th>mean −ln p</th></tr>{rounds}</table>\
-         <p>The best orders of the decision list:</p>\
-         <table><tr><th>order</th><th>cells right</th><th>macro-F1</th></tr>{rows}</table>\n",
-        validation.n_rounds, validation.temperature
+         {}<p>The best orders of the decision list:</p>{}\n",
+        validation.n_rounds,
+        validation.temperature,
+        table("Rounds of boosting", &format!("{ROUNDS}{rounds}")),
+        table("Orders", &format!("<tr><th>order</th><th>cells right</th><th>macro-F1</th></tr>{rows}"))
     )
 }
 
@@ -251,8 +272,10 @@ fn features(report: &TrainingReport, classes: &LabelSet) -> String {
         format!("<tr><td title=\"{}\">{}</td>{bars}</tr>", escaped(&feature.name), escaped(&feature.name))
     };
     let rows = joined(report.votes.iter().take(MAX_FEATURES).map(row));
+    let title = "Features that matter";
+    let table = table(title, &format!("<tr><th>feature</th>{header}</tr>{rows}"));
     format!(
-        "<h2>Features that matter</h2><p class=\"note\">Sum of the weights of the stumps that use a feature, for each class; the page of features \
-         has their formulas.</p><table><tr><th>feature</th>{header}</tr>{rows}</table>\n"
+        "<h2>{title}</h2><p class=\"note\">Sum of the weights of the stumps that use a feature, for each class; the page of features \
+         has their formulas.</p>{table}\n"
     )
 }
