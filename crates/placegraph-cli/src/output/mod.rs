@@ -8,6 +8,7 @@ use std::io::{ErrorKind, Write};
 
 use anyhow::Result;
 
+pub(crate) use replace::lock_and_recover;
 pub(crate) use set::{Committed, Existing, OutputSet};
 pub(crate) use target::{Target, write_file};
 

@@ -182,7 +182,7 @@ fn is_barely_begun(staging: &Path) -> bool {
 
 /// Waits until no other run writes into `folder`, for as long as the lock is kept, and undoes what killed ones left.
 /// Where folders cannot be locked, all is left as it is.
-pub(super) fn lock_and_recover(folder: &Path) -> Result<Option<File>> {
+pub(crate) fn lock_and_recover(folder: &Path) -> Result<Option<File>> {
     let Ok(lock) = File::open(folder) else { return Ok(None) };
     match lock.try_lock() {
         Ok(()) => {}

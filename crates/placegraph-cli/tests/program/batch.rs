@@ -256,6 +256,23 @@ fn resumed(out: &Path, maps: &[PathBuf], options: &[&str]) -> Vec<(String, Strin
 }
 
 #[test]
+fn what_a_killed_run_left_beside_a_whole_result_is_removed_and_the_result_kept() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let maps = [write_map(folder.path(), "a", 20), write_map(folder.path(), "b", 20)];
+    assert_eq!(resumed(&out, &maps, &[])[0].1, "labeled");
+    // Killed after the last file had been put into place.
+    let left = out.join("a/.placegraph-unfinished-killed");
+    fs::create_dir_all(left.join("new")).unwrap();
+    fs::create_dir(left.join("old")).unwrap();
+    fs::write(left.join("mark"), "placegraph: removed by the next run that writes into the folder above\n")
+        .unwrap();
+    fs::write(left.join("journal"), "{\"new\":[\"topology.json\"]}").unwrap();
+    assert_eq!(resumed(&out, &maps, &[])[0].1, "kept");
+    assert!(!left.exists());
+}
+
+#[test]
 fn a_damaged_result_is_made_again() {
     let folder = TempDir::new().unwrap();
     let (out, fresh) = (folder.path().join("out"), folder.path().join("fresh"));

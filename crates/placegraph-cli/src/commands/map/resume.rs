@@ -8,7 +8,7 @@ use placegraph::result::{ResultContents, export_word, exported, is_export, is_pr
 use super::result;
 use super::setup::{Context, Setup};
 use crate::document::{self, DOCUMENT};
-use crate::output::{Committed, Existing, OutputSet};
+use crate::output::{Committed, Existing, OutputSet, lock_and_recover};
 
 /// A result that need not be made again.
 pub(super) struct Resumed {
@@ -20,6 +20,8 @@ pub(super) struct Resumed {
 /// The result in the folder if it is whole and made from `map` just as it would be made now; where other formats are
 /// asked for, it gets them first. `None` if it must be made again.
 pub(super) fn resume(map: &LoadedMap, setup: &Setup<'_>, context: &Context) -> Result<Option<Resumed>> {
+    // What a killed run left is undone first, also where nothing is written then.
+    drop(lock_and_recover(&context.folder)?);
     let path = context.folder.join(DOCUMENT);
     let Ok(found) = document::read(&path, setup.args.read.max_cells) else { return Ok(None) };
     let now = Identity {
