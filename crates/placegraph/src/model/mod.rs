@@ -38,6 +38,14 @@ pub struct Model {
     pub record: TrainingRecord,
 }
 
+#[cfg(not(feature = "default-model"))]
+impl Model {
+    /// Without a built-in model, none labels cells as it does.
+    pub(crate) const fn labels_as_builtin(&self) -> bool {
+        false
+    }
+}
+
 /// How cells are labeled.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]

@@ -250,7 +250,12 @@ pub(crate) fn recognize_classified(
         progress.begin(Stage::Spaces); // not in the chapter
         let pieces = spaces::pieces_between(&space, &labeling, &cuts, label_set);
         let scans = if let Method::Boosted(_) = &model.method { &classified } else { &smoothed };
-        let given = spaces::passages(&space, &pieces, [scans, &smoothed], label_set, config);
+        // What is known of pieces is known of the evidence of the built-in model.
+        let given = if model.labels_as_builtin() {
+            spaces::passages(&space, &pieces, [scans, &smoothed], label_set, config)
+        } else {
+            vec![None; pieces.len()]
+        };
         (labeling, smoothed) =
             label_spaces(&space, classified, smoothed, &labeling, model, config, held.as_deref());
         labeling = spaces::label_whole(&space, labeling, &pieces, &given, label_set, config);

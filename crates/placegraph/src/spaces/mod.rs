@@ -53,8 +53,8 @@ pub struct SpaceConfig {
     pub min_agreement: f64,
     /// What was learned of pieces.
     pub model: SpaceModel,
-    /// Least probability by `model` that a piece is a passage, for all of it to become one. Default 1.1, none: 0.6 gains with the default
-    /// model, but ruins building 79 with a model of its left half (`docs/default-model.md`).
+    /// Least probability by `model` that a piece is a passage, for all of it to become one. Default 0.6 (`docs/default-model.md` has the
+    /// curve). Above 1, none does, nor where cells are labeled by another model than the built-in one, whose evidence `model` knows.
     pub min_passage: f64,
     /// The odds of a label that a cell had in an earlier result which is held on to are multiplied by this. Default 2.
     pub held_odds: f64,
@@ -75,7 +75,7 @@ impl Default for SpaceConfig {
             least_probability: 0.1,
             min_agreement: 0.75,
             model: SpaceModel::builtin(),
-            min_passage: 1.1,
+            min_passage: 0.6,
             held_odds: 2.0,
             max_furniture_m: 2.5,
             max_cut: 1 << 20,
