@@ -198,7 +198,8 @@ onPage("a line that moves no doorway is refused in words", {}, async (page) => {
   assert.deepEqual(await editsOf(page), []);
 });
 
-const SCRIPT = "</script><script>alert(1)</script><img src=x onerror=alert(2)>";
+// Without the slash that no name may have; a comment that opens a script is what ends one early.
+const SCRIPT = "<!--<script>alert(1)<img src=x onerror=alert(2)>";
 
 onPage("a name that is script runs nowhere: in the page, after a reload, in the report", {}, async (page) => {
   await openOffice(page);

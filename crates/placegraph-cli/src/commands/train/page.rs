@@ -30,7 +30,7 @@ pub(super) fn html(report: &TrainingReport, maps: &[LabeledMap], classes: &Label
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"><title>Training report</title><style>{STYLE}</style></head>\
-         <body>\n<h1>Training report</h1>\n"
+         <body><main>\n<h1>Training report</h1>\n"
     );
     // Writing to a string cannot fail.
     let _ = writeln!(page, "<p>{}</p>", escaped(&words::examples(report, maps, classes)));
@@ -50,7 +50,7 @@ pub(super) fn html(report: &TrainingReport, maps: &[LabeledMap], classes: &Label
         }
     }
     page += &features(report, classes);
-    page += "</body></html>\n";
+    page += "</main></body></html>\n";
     page
 }
 
