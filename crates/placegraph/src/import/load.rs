@@ -1,15 +1,14 @@
 //! Opens a map, whatever its format.
 
-use std::borrow::Cow;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use super::file::{self, NamedFiles};
+use super::file::NamedFiles;
 use super::image::Raster;
 use super::ros::{self, Brightness, Interpretation, Mode, Rules};
+use super::storage::{Files, InMemory, OnDisk};
 use super::{Format, MapError, image, reader_of, recording, smoothing};
 use crate::geom::Pose2;
 use crate::grid::{Grid, MapFrame, Occupancy, OccupancyGrid};
@@ -183,83 +182,6 @@ pub fn load_map_from(
     Ok(LoadedMap { name: name_below(path, Some(path)), ..map })
 }
 
-/// Where a map's files come from.
-trait Files {
-    /// The bytes of a small file.
-    fn text(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError>;
-    /// The bytes of a file with cells.
-    fn cells(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError>;
-    /// A file of any size, from its beginning.
-    fn stream(&self, path: &Path) -> Result<Box<dyn Read + '_>, MapError>;
-    /// The path of the image that the YAML at `by` calls `name`, and what it is called if that is not its name.
-    fn image(&self, by: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError>;
-}
-
-struct OnDisk<'a> {
-    options: &'a ReadOptions,
-}
-
-impl Files for OnDisk<'_> {
-    fn text(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError> {
-        file::read(path, file::MAX_TEXT_BYTES).map(Cow::Owned)
-    }
-
-    fn cells(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError> {
-        file::read_cells(path, self.options.max_cells).map(Cow::Owned)
-    }
-
-    fn stream(&self, path: &Path) -> Result<Box<dyn Read + '_>, MapError> {
-        Ok(Box::new(file::open_stream(path)?))
-    }
-
-    fn image(&self, by: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {
-        image_of(by, name, self.options)
-    }
-}
-
-struct InMemory<'a> {
-    files: &'a [(&'a str, &'a [u8])],
-    options: &'a ReadOptions,
-}
-
-impl InMemory<'_> {
-    fn given(&self, path: &Path) -> Result<&[u8], MapError> {
-        let found = self.files.iter().find(|(name, _)| Path::new(name) == path);
-        found.map(|(_, bytes)| *bytes).ok_or_else(|| MapError::NotGiven { name: path.display().to_string() })
-    }
-
-    fn bytes(&self, path: &Path, max_bytes: u64) -> Result<Cow<'_, [u8]>, MapError> {
-        let bytes = self.given(path)?;
-        if bytes.len() as u64 > max_bytes {
-            return Err(MapError::FileTooLarge { max_bytes });
-        }
-        Ok(Cow::Borrowed(bytes))
-    }
-}
-
-impl Files for InMemory<'_> {
-    fn text(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError> {
-        self.bytes(path, file::MAX_TEXT_BYTES)
-    }
-
-    fn cells(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError> {
-        let bytes = self.bytes(path, u64::MAX)?;
-        let max_bytes = file::max_file_bytes(&bytes, self.options.max_cells)?;
-        self.bytes(path, max_bytes)
-    }
-
-    fn stream(&self, path: &Path) -> Result<Box<dyn Read + '_>, MapError> {
-        Ok(Box::new(self.given(path)?))
-    }
-
-    fn image(&self, _: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {
-        let last = name.rsplit(['/', '\\']).next().unwrap_or(name);
-        let is_beside = name.strip_prefix("./").unwrap_or(name) == last;
-        let replaced = ReplacedImage { named: name.to_owned(), read: last.to_owned() };
-        Ok((PathBuf::from(last), (!is_beside).then_some(replaced)))
-    }
-}
-
 fn load(path: &Path, opener: &impl Files, options: &ReadOptions) -> Result<LoadedMap, MapError> {
     if is_recording(path)? {
         let recorded = recording::last_grid(&mut opener.stream(path)?, options)?;
@@ -298,31 +220,6 @@ fn load(path: &Path, opener: &impl Files, options: &ReadOptions) -> Result<Loade
 
 fn hex(hash: Sha256) -> String {
     hash.finalize().iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
-}
-
-/// The image that the YAML at `path` names. If it is not there, the one of its name next to the YAML, and which that is: maps
-/// are copied from machine to machine, and their YAML files hold the path on the first.
-fn image_of(
-    path: &Path,
-    named: &str,
-    options: &ReadOptions,
-) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {
-    let is_there = path.parent().is_none_or(|folder| folder.join(named).exists());
-    match file::namesake(path, named) {
-        Some(read) if !is_there => {
-            // A YAML that was copied under another name, with its image, still names the first one.
-            let own = Path::new(&read).extension().map(|extension| path.with_extension(extension));
-            let own = own
-                .filter(|own| own.is_file())
-                .and_then(|own| Some(own.file_name()?.to_string_lossy().into_owned()));
-            if let Some(own) = own.filter(|own| *own != read) {
-                return Err(MapError::Outside { name: named.to_owned(), beside: vec![read, own] });
-            }
-            let image = file::named_file(path, &read, NamedFiles::Inside)?;
-            Ok((image, Some(ReplacedImage { named: named.to_owned(), read })))
-        }
-        _ => Ok((file::named_file(path, named, options.named_files)?, None)),
-    }
 }
 
 /// Name of the YAML file next to an image, with the same stem.

@@ -23,6 +23,7 @@ pub mod recording;
 pub mod ros;
 mod shape;
 mod smoothing;
+mod storage;
 mod training_file;
 pub mod valetudo;
 
