@@ -44,6 +44,8 @@
 //! | `import` | the readers of map files, label images, training and edit files |
 //! | `export` | label images, pictures, and the files of other programs |
 //! | `recording` | messages of ROS 2 in MCAP files; the two above bring it |
+//! | `sqlite` | maps in bags of ROS 2 up to Humble (`.db3`); off by default, compiles SQLite |
+//! | `ros1` | maps in bags of ROS 1 (`.bag`); off by default |
 //!
 //! All are on by default. Without them, the library needs less than half of the crates.
 //!

@@ -8,7 +8,8 @@ use anyhow::{Context, Result, ensure};
 use placegraph::export::{MapInfo, TopologyDocument, label_png, overview_png};
 use placegraph::geom::Point2;
 use placegraph::grid::OccupancyGrid;
-use placegraph::import::{MapError, ReadOptions, open_stream, recording};
+use placegraph::import::recording::{self, Recording};
+use placegraph::import::{MapError, ReadOptions};
 use placegraph::model::sha256_hex;
 use placegraph::pipeline::{self, Analysis, Config};
 use placegraph::progress::Silent;
@@ -92,7 +93,7 @@ fn for_each_map(
     }
     let mut options = read::options(&args.read);
     options.topic = Some(topic(&args.source, &options).map_err(read::told)?);
-    recording::grids(&mut open_stream(&args.source)?, &options, &mut |recorded| {
+    recording::grids(Recording::open(&args.source)?, &options, &mut |recorded| {
         let (grid, _) = recording::map_of(&recorded, &options)?;
         let seconds = Duration::from_nanos(recorded.log_time_ns).as_secs_f64();
         each(&format!("{seconds:.3}"), &grid, sha256_hex(&recorded.cdr))
@@ -103,7 +104,7 @@ fn for_each_map(
 /// The topic whose maps are meant.
 fn topic(source: &Path, options: &ReadOptions) -> Result<String, MapError> {
     let mut found = BTreeSet::new();
-    let all = recording::grids(&mut open_stream(source)?, options, &mut |grid| {
+    let all = recording::grids(Recording::open(source)?, options, &mut |grid| {
         found.insert(grid.topic);
         Ok::<(), MapError>(())
     })?;

@@ -224,7 +224,7 @@ fn a_map_that_went_through_a_recording_is_the_same_map() {
         &["several topics", "/map, /placegraph/labels, /placegraph/regions", "--topic TOPIC"],
     );
     refused(&[&"info", &recording, &"--topic", &"/scan"], &["expected maps on the topic /scan"]);
-    assert!(done(&[&"info", &recording, &"--topic", &"/map"]).contains("recording (MCAP), free up to 0.196"));
+    assert!(done(&[&"info", &recording, &"--topic", &"/map"]).contains("recording, free up to 0.196"));
     done(&[&"map", &recording, &"--topic", &"map", &"--out", &again]);
     for file in ["labels.png", "regions.png", "labels.yaml"] {
         assert_eq!(fs::read(out.join(file)).unwrap(), fs::read(again.join(file)).unwrap(), "{file}");

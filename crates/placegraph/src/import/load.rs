@@ -7,6 +7,7 @@ use sha2::{Digest, Sha256};
 
 use super::file::NamedFiles;
 use super::image::Raster;
+use super::recording::Container;
 use super::ros::{self, Brightness, Interpretation, Mode, Rules};
 use super::storage::{Files, InMemory, OnDisk};
 use super::{Format, MapError, image, reader_of, recording, smoothing};
@@ -183,8 +184,8 @@ pub fn load_map_from(
 }
 
 fn load(path: &Path, opener: &impl Files, options: &ReadOptions) -> Result<LoadedMap, MapError> {
-    if is_recording(path)? {
-        let recorded = recording::last_grid(&mut opener.stream(path)?, options)?;
+    if let Some(container) = Container::of(path) {
+        let recorded = recording::last_grid(opener.recording(path, container)?, options)?;
         let (grid, source) = recording::map_of(&recorded, options)?;
         let hash = hex(Sha256::new_with_prefix(&recorded.cdr));
         return Ok(LoadedMap { grid, name: map_name(path), source, hash, files: vec![path.to_owned()] });
@@ -283,21 +284,6 @@ fn trap_205(counts: &[u64], gray_of: impl Fn(usize) -> f64, how: &Interpretation
 
 fn is_yaml(path: &Path) -> bool {
     has_extension(path, "yaml") || has_extension(path, "yml")
-}
-
-/// Whether `path` is that of a recording.
-///
-/// # Errors
-/// If it is one of a kind that is not read.
-fn is_recording(path: &Path) -> Result<bool, MapError> {
-    let (found, command) = if has_extension(path, "db3") {
-        ("a bag of SQLite (.db3)", "ros2 bag convert")
-    } else if has_extension(path, "bag") {
-        ("a bag of ROS 1 (.bag)", "mcap convert in.bag out.mcap")
-    } else {
-        return Ok(has_extension(path, "mcap"));
-    };
-    Err(MapError::RecordingFormat { found, command })
 }
 
 fn has_extension(path: &Path, wanted: &str) -> bool {

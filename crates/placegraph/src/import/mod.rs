@@ -1,8 +1,8 @@
 //! Files to types: map_server YAML, images, CARMEN and Valetudo maps, recordings, label images; and the check of a map.
 //!
 //! The parsers take bytes and give types: [`ros::parse_yaml`], [`image::decode`], [`carmen::parse`], [`valetudo::parse`],
-//! [`read_label_file`], [`read_labels`], [`read_rooms`], [`TrainingFile::from_toml`]; [`recording::grids`] takes a stream. Only [`load_map`], [`load_labels`], [`read`],
-//! [`read_cells`] and [`open_stream`] open files; [`load_map_from`] takes their bytes. All of
+//! [`read_label_file`], [`read_labels`], [`read_rooms`], [`TrainingFile::from_toml`]; [`recording::grids`] takes an open recording. Only [`load_map`], [`load_labels`], [`read`],
+//! [`read_cells`], [`open_stream`] and [`recording::Recording::open`] open files; [`load_map_from`] takes their bytes. All of
 //! them are for hostile input: sizes are checked from the header before memory is taken, numbers are checked to be
 //! finite, a path in a file is not followed out of its folder, and whatever is wrong is a typed error, never a
 //! panic (`docs/reliability.md`).
@@ -60,7 +60,7 @@ pub enum Format {
     Carmen,
     /// A map of a robot vacuum, as the JSON of Valetudo.
     Valetudo,
-    /// A recording of ROS 2, as MCAP.
+    /// A recording of ROS: MCAP, or a bag.
     Recording,
 }
 
@@ -75,7 +75,7 @@ impl Format {
             Self::Image => "image",
             Self::Carmen => "CARMEN map",
             Self::Valetudo => "Valetudo JSON",
-            Self::Recording => "recording (MCAP)",
+            Self::Recording => "recording",
         }
     }
 

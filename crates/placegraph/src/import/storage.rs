@@ -1,10 +1,10 @@
 //! Where the files of a map come from: a disk, or the memory of a program without a file system.
 
 use std::borrow::Cow;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::file::{self, NamedFiles};
+use super::recording::{Container, Recording};
 use super::{MapError, ReadOptions, ReplacedImage};
 
 /// Where a map's files come from.
@@ -13,8 +13,8 @@ pub(super) trait Files {
     fn text(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError>;
     /// The bytes of a file with cells.
     fn cells(&self, path: &Path) -> Result<Cow<'_, [u8]>, MapError>;
-    /// A file of any size, from its beginning.
-    fn stream(&self, path: &Path) -> Result<Box<dyn Read + '_>, MapError>;
+    /// A recording of any size.
+    fn recording(&self, path: &Path, container: Container) -> Result<Recording<'_>, MapError>;
     /// The path of the image that the YAML at `by` calls `name`, and what it is called if that is not its name.
     fn image(&self, by: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError>;
 }
@@ -33,8 +33,8 @@ impl Files for OnDisk<'_> {
         file::read_cells(path, self.options.max_cells).map(Cow::Owned)
     }
 
-    fn stream(&self, path: &Path) -> Result<Box<dyn Read + '_>, MapError> {
-        Ok(Box::new(file::open_stream(path)?))
+    fn recording(&self, path: &Path, _: Container) -> Result<Recording<'_>, MapError> {
+        Recording::open(path)
     }
 
     fn image(&self, by: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {
@@ -74,8 +74,8 @@ impl Files for InMemory<'_> {
         self.bytes(path, max_bytes)
     }
 
-    fn stream(&self, path: &Path) -> Result<Box<dyn Read + '_>, MapError> {
-        Ok(Box::new(self.given(path)?))
+    fn recording(&self, path: &Path, container: Container) -> Result<Recording<'_>, MapError> {
+        Recording::from_bytes(container, self.given(path)?)
     }
 
     fn image(&self, _: &Path, name: &str) -> Result<(PathBuf, Option<ReplacedImage>), MapError> {

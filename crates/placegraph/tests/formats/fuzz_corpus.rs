@@ -22,7 +22,7 @@ fn corpus(target: &str) -> Vec<Vec<u8>> {
 fn replay(target: &str, run: fn(&[u8])) {
     let files = corpus(target);
     for bytes in &files {
-        assert!(bytes.len() <= 4096, "the corpus is small");
+        assert!(bytes.len() <= 8192, "the corpus is small");
         run(bytes);
         for at in 0..bytes.len() {
             run(&bytes[..at]);

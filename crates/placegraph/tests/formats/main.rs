@@ -11,6 +11,7 @@ mod export_raster;
 mod fuzz_corpus;
 #[expect(unreachable_pub, reason = "the fuzz crate exports them")]
 mod fuzz_targets;
+mod import_bags;
 mod import_carmen;
 mod import_check;
 mod import_label_files;

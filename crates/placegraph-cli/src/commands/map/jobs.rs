@@ -7,6 +7,7 @@ use std::path::{Component, Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
 use placegraph::import;
+use placegraph::import::recording::Container;
 
 use super::table;
 use crate::document::Beside;
@@ -186,7 +187,7 @@ fn is_map(path: &Path) -> bool {
             let keys = ["resolution", "origin", "occupied_thresh", "free_thresh", "negate"];
             has_key("image") && keys.into_iter().any(has_key)
         }),
-        "mcap" => true,
+        _ if Container::of(path).is_some() => true,
         other if import::may_hold_map(other) => {
             use std::io::Read;
             let mut head = Vec::new();

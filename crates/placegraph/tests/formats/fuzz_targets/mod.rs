@@ -12,9 +12,10 @@ use placegraph::export::{
 };
 use placegraph::geom::{Point2, Pose2};
 use placegraph::grid::{FreeSpace, GridShape, MapFrame, Occupancy, OccupancyGrid};
+use placegraph::import::recording::{self, Container, Recording};
 use placegraph::import::{
     Format, LabelCoding, LabelTarget, LabelsYaml, MapError, ReadOptions, TrainingFile, carmen, image,
-    read_image, read_label_file, read_labels, read_rooms, recording, ros, valetudo,
+    read_image, read_label_file, read_labels, read_rooms, ros, valetudo,
 };
 use placegraph::labels::{Label, LabelField, LabelSet, Labeling};
 use placegraph::model::{Method, Model};
@@ -39,6 +40,10 @@ pub const TARGETS: &[(&str, Target)] = &[
     ("carmen", carmen),
     ("valetudo", valetudo),
     ("recording", recording),
+    #[cfg(feature = "ros1")]
+    ("bag", bag),
+    #[cfg(feature = "sqlite")]
+    ("database", database),
     ("label_image", label_image),
     ("label_file", label_file),
     ("label_map", label_map),
@@ -96,16 +101,33 @@ pub fn valetudo(bytes: &[u8]) {
 
 /// Recordings of ROS 2.
 pub fn recording(bytes: &[u8]) {
+    recorded(Container::Mcap, bytes);
+}
+
+/// Bags of ROS 1.
+#[cfg(feature = "ros1")]
+pub fn bag(bytes: &[u8]) {
+    recorded(Container::Ros1, bytes);
+}
+
+/// Bags of ROS 2 before Iron.
+#[cfg(feature = "sqlite")]
+pub fn database(bytes: &[u8]) {
+    recorded(Container::Sqlite, bytes);
+}
+
+fn recorded(container: Container, bytes: &[u8]) {
     let options = ReadOptions { max_cells: MAX_CELLS, ..ReadOptions::default() };
-    let mut source = bytes;
+    let Ok(recording) = Recording::from_bytes(container, bytes) else { return };
     // What is wrong with a recording after its first maps does not undo them.
-    let _ = recording::grids(&mut source, &options, &mut |grid| {
+    let _ = recording::grids(recording, &options, &mut |grid| {
         if let Ok((map, _)) = recording::map_of(&grid, &options) {
             assert!(map.frame.resolution_m() > 0.0 && map.cells.width() > 0);
         }
         Ok::<(), MapError>(())
     });
-    let _ = recording::last_grid(&mut &*bytes, &options);
+    let _ =
+        Recording::from_bytes(container, bytes).map(|recording| recording::last_grid(recording, &options));
 }
 
 /// Label and room images; the first two bytes are the size of the map, less 1.
