@@ -18,6 +18,7 @@ mod limits;
 mod names_last;
 mod plans;
 mod readers;
+mod resume;
 mod running;
 mod safety;
 #[cfg(target_os = "linux")]

@@ -12,7 +12,8 @@
 
 use rayon::prelude::*;
 
-use super::maxflow::{Capacity, GridCut};
+use super::capacity::Capacity;
+use super::maxflow::GridCut;
 use crate::grid::{CellGraph, Connectivity};
 use crate::labels::{Label, Labeling};
 

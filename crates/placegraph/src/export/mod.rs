@@ -9,6 +9,7 @@ mod mask_settings;
 mod nav2_filters;
 mod nav2_masks;
 mod nav2_route;
+mod nav2_shapes;
 mod npy;
 mod overlay;
 mod overview;
@@ -38,10 +39,10 @@ pub use labels::LabelSheet;
 pub use mask_settings::MaskSettings;
 pub use nav2_filters::{FilterFiles, nav2_filters};
 pub use nav2_masks::{
-    Keepout, MaskFiles, MaskSheet, Rotated, SpeedLimit, ValueOf, ZonePer, keepout_mask, speed_mask,
-    vector_shapes, zone_mask,
+    Keepout, MaskFiles, MaskSheet, Rotated, SpeedLimit, ValueOf, ZonePer, keepout_mask, speed_mask, zone_mask,
 };
 pub use nav2_route::nav2_route;
+pub use nav2_shapes::vector_shapes;
 pub use npy::probability_npy;
 pub use overlay::{View, overlay_svg};
 pub use overview::overview_png;

@@ -1,5 +1,5 @@
 //! Nav2 costmap filter masks: keep-out, speed and zone parameters, each an image with its map file and the
-//! parameters of the servers that publish it; and the vector-object server's shapes.
+//! parameters of the servers that publish it.
 //!
 //! Masks are images of mode raw: a pixel is the cell's value, 0 to 100, or 255 for unknown. Costmaps ignore a
 //! rotation of the mask, so a rotated map is refused, or resampled on an upright grid.
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use serde_saphyr::FlowSeq;
 
 use super::ExportError;
-use super::yaml::{tenth_mm, yaml_bytes};
+use super::yaml::yaml_bytes;
 use crate::grid::{Grid, GridShape};
 use crate::topology::{Place, PlaceRaster, TopologicalMap};
 
@@ -66,7 +66,7 @@ pub struct ValueOf {
 }
 
 impl ValueOf {
-    fn get(&self, place: &Place) -> Option<f64> {
+    pub(super) fn get(&self, place: &Place) -> Option<f64> {
         self.place.get(&place.name).or_else(|| self.class.get(&place.class)).copied()
     }
 
@@ -103,7 +103,7 @@ impl Default for Keepout {
 }
 
 impl Keepout {
-    fn check(&self, map: &TopologicalMap) -> Result<(), ExportError> {
+    pub(super) fn check(&self, map: &TopologicalMap) -> Result<(), ExportError> {
         let (min, max) = (0.0, 100.0);
         self.cost.check(map, min, max)?;
         if self.elsewhere > 100 {
@@ -378,50 +378,4 @@ fn add_zones(plugin: &mut Parameters, zones: &[String]) {
     plugin["state_event_topic"] = json!("zone_filter_state");
     plugin["nominal_defaults"] = json!(["max_vel_x"]);
     plugin["nominal_defaults.max_vel_x"] = setpoint(0.5);
-}
-
-/// Parameters of the vector-object server: a polygon per place with the value of `keepout`, and no raster. A place
-/// without an entry is omitted. Holes cannot be expressed, so everything that a place surrounds is covered too.
-///
-/// # Errors
-/// If a cost is not in 0 to 100, or one is given to a place that the map does not have.
-pub fn vector_shapes(
-    map: &TopologicalMap,
-    shape: &GridShape,
-    frame_id: &str,
-    keepout: &Keepout,
-) -> Result<Vec<u8>, ExportError> {
-    use serde_json::json;
-    keepout.check(map)?;
-    let mut parameters = json!({
-        "map_topic": "vo_map",
-        "global_frame_id": frame_id,
-        "resolution": shape.frame.resolution_m(),
-        "default_value": -1,
-        "overlay_type": 0,
-        "update_frequency": 1.0,
-        "transform_tolerance": 0.1,
-    });
-    let mut names = Vec::new();
-    for place in &map.places {
-        let value = keepout.cost.get(place).unwrap_or(0.0).round() as u8;
-        for (part, polygon) in place.outline.iter().enumerate() {
-            let name = format!("place_{}_{part}", place.id.0);
-            let points: Vec<f64> =
-                polygon.exterior.iter().flat_map(|p| [tenth_mm(p.x), tenth_mm(p.y)]).collect();
-            parameters[&name] = json!({
-                "type": "polygon", "frame_id": frame_id, "closed": true, "value": value, "points": points,
-            });
-            names.push(name);
-        }
-    }
-    parameters["shapes"] = json!(names);
-    let file = json!({
-        "vector_object_server": { "ros__parameters": parameters },
-        "costmap_filter_info_server": { "ros__parameters": {
-            "type": 0, "filter_info_topic": "vo_costmap_filter_info", "mask_topic": "vo_map",
-            "base": 0.0, "multiplier": 1.0,
-        } },
-    });
-    yaml_bytes(&file, "vector shapes")
 }

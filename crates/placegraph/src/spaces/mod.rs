@@ -22,6 +22,7 @@
 //! **Deviation.** The chapter has no such stage; it can be left out. It is the chapter's associative network
 //! (Sect. 4.6) with one weight, on the field of either method.
 
+mod evidence;
 mod figures;
 mod model;
 mod passages;
@@ -33,6 +34,7 @@ use rayon::prelude::*;
 
 use crate::grid::{CellGraph, DiagonalSteps, FreeSpace, Obstacles, Run, Runs, components};
 use crate::labels::{Held, Label, LabelField, LabelSet, Labeling, Role};
+use evidence::Evidence;
 use piece::{Piece, Rectangle};
 
 pub use model::SpaceModel;
@@ -257,30 +259,6 @@ fn pieces(graph: &CellGraph, is_open: impl Fn(usize) -> bool) -> Vec<Vec<Run>> {
     pieces
 }
 
-struct Evidence<'a> {
-    candidates: &'a [Label],
-    config: &'a SpaceConfig,
-    /// Of a node, against an edge of the graph.
-    scale: f64,
-}
-
-impl Evidence<'_> {
-    /// Appends the evidence of a node for every candidate: the scaled logarithm of its share among them, and for the label that is
-    /// held on to that of its odds.
-    fn append(&self, row: &[f32], held: Option<Label>, out: &mut Vec<f64>) {
-        let total: f64 = self.candidates.iter().map(|label| row[label.index()] as f64).sum();
-        let least = self.config.least_probability;
-        let share = |label: &Label| row[label.index()] as f64 / total.max(f64::MIN_POSITIVE);
-        let bounded = |label| share(label).clamp(least, 1.0 - least);
-        let first = out.len();
-        out.extend(self.candidates.iter().map(|label| self.scale * bounded(label).ln()));
-        if let Some(position) = held.and_then(|held| self.candidates.iter().position(|&label| label == held))
-        {
-            out[first + position] += self.scale * self.config.held_odds.ln();
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -311,22 +289,6 @@ mod tests {
         };
         let field = LabelField::from_rows(3, labeling.iter().flat_map(row).collect());
         label(&space(graph), &field, &labeling, &LabelSet::default(), &SpaceConfig::default(), None)
-    }
-
-    #[test]
-    fn evidence_is_the_scaled_logarithm_of_the_share_among_places() {
-        let config = SpaceConfig { evidence_per_m: 2.0, ..SpaceConfig::default() };
-        let evidence = Evidence { candidates: &[CORRIDOR, ROOM], config: &config, scale: 0.5 };
-        let of = |row: &[f32]| {
-            let mut found = Vec::new();
-            evidence.append(row, None, &mut found);
-            found
-        };
-        let found = of(&[0.1, 0.3, 0.6]);
-        assert!((found[0] - 0.5 * 0.25_f64.ln()).abs() < 1e-7, "{found:?}");
-        assert!((found[1] - 0.5 * 0.75_f64.ln()).abs() < 1e-7, "{found:?}");
-        assert!((of(&[0.0, 1.0, 0.0])[0] - 0.5 * 0.1_f64.ln()).abs() < 1e-7);
-        assert!(of(&[0.0, 0.0, 1.0]).iter().all(|value| value.is_finite()));
     }
 
     #[test]

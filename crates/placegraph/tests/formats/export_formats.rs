@@ -10,8 +10,8 @@ use placegraph::grid::Cell;
 use placegraph::topology::PlaceId;
 
 /// Neither at the origin nor along the axes.
-const TURNED: Pose2 = Pose2::new(-3.7, 12.3, 0.4);
-const UPRIGHT: Pose2 = Pose2::new(-3.7, 12.3, 0.0);
+pub(crate) const TURNED: Pose2 = Pose2::new(-3.7, 12.3, 0.4);
+pub(crate) const UPRIGHT: Pose2 = Pose2::new(-3.7, 12.3, 0.0);
 
 /// Half the diagonal of a cell and what formats round away.
 const WITHIN_A_CELL_M: f64 = 0.05;
@@ -33,7 +33,7 @@ fn rmf(building: &Building) -> RmfBuilding<'_> {
     RmfBuilding::of_level("drawn", "L1", &building.map, building.shape(), "home.png")
 }
 
-fn sheet(building: &Building, rotated: Rotated) -> MaskSheet {
+pub(crate) fn sheet(building: &Building, rotated: Rotated) -> MaskSheet {
     MaskSheet {
         shape: building.shape(),
         rotated,
@@ -53,7 +53,7 @@ fn tmap_info() -> TmapInfo {
 }
 
 /// The first doorway of the drawing: in the wall between the first room and the corridor.
-fn known_doorway(building: &Building) -> (PlaceId, Point2) {
+pub(crate) fn known_doorway(building: &Building) -> (PlaceId, Point2) {
     (building.place_at(6, 7).id, building.at(6, 7))
 }
 
@@ -150,56 +150,6 @@ fn ring_area(ring: &[geojson::Position]) -> f64 {
 }
 
 #[test]
-fn masks_put_the_value_of_the_class_into_its_cells() {
-    let building = building::drawn(UPRIGHT);
-    let files =
-        speed_mask(&building.map, &sheet(&building, Rotated::Refuse), &SpeedLimit::default()).unwrap();
-    let image = image::load_from_memory(&files.image).unwrap().into_luma8();
-    for cell in building.grid.cells.cells() {
-        let doorway = building.space.graph.node_at(cell).is_some_and(|node| {
-            building.regions.regions[building.regions.region_of[node].index()].label.0 == 2
-        });
-        let pixel = image.get_pixel(cell.x, building.grid.cells.height() - 1 - cell.y).0[0];
-        assert_eq!(pixel, if doorway { 50 } else { 0 }, "{cell:?}");
-    }
-}
-
-#[test]
-fn keepout_covers_what_is_no_place() {
-    let building = building::drawn(UPRIGHT);
-    let files = keepout_mask(&building.map, &sheet(&building, Rotated::Refuse), &Keepout::default()).unwrap();
-    let image = image::load_from_memory(&files.image).unwrap().into_luma8();
-    let n_free = image.pixels().filter(|pixel| pixel.0[0] == 0).count();
-    assert_eq!(n_free, building.space.graph.n_nodes());
-    assert!(image.pixels().all(|pixel| [0, 100].contains(&pixel.0[0])));
-}
-
-#[test]
-fn a_rotated_map_is_refused_or_resampled() {
-    let building = building::drawn(TURNED);
-    let refused = zone_mask(&building.map, &sheet(&building, Rotated::Refuse), ZonePer::Class);
-    assert_eq!(refused, Err(ExportError::Rotated { yaw_rad: 0.4 }));
-    let files = zone_mask(&building.map, &sheet(&building, Rotated::Resample), ZonePer::Place).unwrap();
-    let image = image::load_from_memory(&files.image).unwrap().into_luma8();
-    let upright = building.shape().upright();
-    let (doorway, center) = known_doorway(&building);
-    let cell = upright.cell_at(center).unwrap();
-    let zone = building.map.places.iter().position(|place| place.id == doorway).unwrap() as u8 + 1;
-    assert_eq!(image.get_pixel(cell.x, upright.height - 1 - cell.y).0[0], zone);
-    let text = String::from_utf8(files.map).unwrap();
-    assert!(text.contains("mode: raw") && text.contains(", 0"), "{text}");
-}
-
-#[test]
-fn limits_that_a_cell_cannot_hold_are_refused() {
-    let building = building::drawn(UPRIGHT);
-    let class = BTreeMap::from([("room".to_owned(), 140.0)]);
-    let speed = SpeedLimit::Percent { limit: ValueOf { class, ..ValueOf::default() } };
-    let result = speed_mask(&building.map, &sheet(&building, Rotated::Refuse), &speed);
-    assert!(matches!(result, Err(ExportError::Value { max: 100.0, found: 140.0, .. })), "{result:?}");
-}
-
-#[test]
 fn a_lane_names_the_door_that_it_crosses() {
     let building = building::from_drawing(THREE_SIDES, TURNED);
     let bytes = rmf_nav_graph(&rmf(&building)).unwrap();
@@ -275,44 +225,6 @@ fn report_input(building: &Building) -> ReportInput<'_> {
         probability: None,
         findings: &[],
         provenance: "drawn by hand",
-    }
-}
-
-#[test]
-fn the_masks_together_have_a_pair_of_servers_each() {
-    let building = building::drawn(Pose2::default());
-    let sheets = ["keepout", "speed", "zones"].map(|name| MaskSheet {
-        image_name: format!("{name}.png"),
-        map_name: format!("{name}.yaml"),
-        ..sheet(&building, Rotated::Refuse)
-    });
-    let (keepout, speed) = (Keepout::default(), SpeedLimit::default());
-    let files = nav2_filters(&building.map, &sheets, &keepout, &speed, ZonePer::Class).unwrap();
-    let text = String::from_utf8(files.parameters).unwrap();
-    let parameters: serde_json::Value = serde_saphyr::from_str(&text).unwrap();
-    let mut topics = BTreeSet::new();
-    for name in ["keepout", "speed", "zone_parameter"] {
-        let server = &parameters[format!("{name}_filter_mask_server")]["ros__parameters"];
-        let info = &parameters[format!("{name}_costmap_filter_info_server")]["ros__parameters"];
-        assert_eq!(server["topic_name"], info["mask_topic"], "{text}");
-        let costmap = &parameters["global_costmap"]["global_costmap"]["ros__parameters"];
-        assert_eq!(
-            costmap[format!("{name}_filter")]["filter_info_topic"],
-            info["filter_info_topic"],
-            "{text}"
-        );
-        assert!(
-            topics.insert(info["mask_topic"].to_string())
-                && topics.insert(info["filter_info_topic"].to_string())
-        );
-    }
-    let listed = |costmap: &str| parameters[costmap][costmap]["ros__parameters"]["filters"].clone();
-    assert_eq!(listed("global_costmap"), serde_json::json!(["keepout_filter", "speed_filter"]));
-    assert_eq!(listed("local_costmap"), serde_json::json!(["keepout_filter"]));
-    let launch = String::from_utf8(files.launch).unwrap();
-    for mask in ["'keepout': \"keepout.yaml\"", "'speed': \"speed.yaml\"", "'zone_parameter': \"zones.yaml\""]
-    {
-        assert!(launch.contains(mask), "{launch}");
     }
 }
 

@@ -6,6 +6,7 @@
 #[path = "../places/building/mod.rs"]
 mod building;
 mod export_formats;
+mod export_masks;
 mod export_overview;
 mod export_raster;
 mod fuzz_corpus;
@@ -14,6 +15,7 @@ mod fuzz_targets;
 mod import_bags;
 mod import_carmen;
 mod import_check;
+mod import_images;
 mod import_label_files;
 mod import_labels;
 mod import_maps;

@@ -22,58 +22,13 @@ import networkx
 import numpy
 import pydot
 import report_probe
+import tmap2_schema
 import yaml
 from mcap_ros2.reader import read_ros2_messages
 from PIL import Image
 from rosbags.highlevel import AnyReader
 from shapely.geometry import LineString, Point, Polygon
 
-# What the published schema of topological maps asks for.
-TMAP_NODE = {
-    "type": "object",
-    "required": ["meta", "node"],
-    "properties": {
-        "meta": {
-            "type": "object",
-            "required": ["map", "node", "pointset"],
-            "properties": {key: {"type": "string"} for key in ("map", "node", "pointset")},
-        },
-        "node": {
-            "type": "object",
-            "required": ["edges", "name"],
-            "properties": {
-                "name": {"type": "string"},
-                "parent_frame": {"type": "string"},
-                "properties": {"type": "object"},
-                "edges": {
-                    "type": "array",
-                    "items": {
-                        "type": "object",
-                        "required": ["edge_id", "node"],
-                        "properties": {"edge_id": {"type": "string"}, "node": {"type": "string"}},
-                    },
-                },
-            },
-        },
-    },
-}
-TMAP = {
-    "type": "object",
-    "required": ["meta", "metric_map", "name", "nodes", "pointset"],
-    "properties": {
-        "meta": {
-            "type": "object",
-            "required": ["last_updated"],
-            "properties": {
-                "last_updated": {"type": "string", "pattern": r"^\d{2}-\d{2}-\d{4}_\d{2}-\d{2}-\d{2}$"}
-            },
-        },
-        "metric_map": {"type": "string"},
-        "name": {"type": "string"},
-        "pointset": {"type": "string"},
-        "nodes": {"type": "array", "items": TMAP_NODE},
-    },
-}
 
 
 class Skipped(Exception):
@@ -249,7 +204,7 @@ def rmf_building(folder):
 
 def tmap2(folder):
     tmap = folder.yaml("*.tmap2.yaml")
-    jsonschema.validate(tmap, TMAP)
+    jsonschema.validate(tmap, tmap2_schema.TMAP)
     nodes = {entry["node"]["name"]: entry["node"] for entry in tmap["nodes"]}
     assert len(nodes) == len(tmap["nodes"])
     for node in nodes.values():

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::{Done, Editor, parts_nothing, sides_of};
+use super::split::parts_nothing;
+use super::{Done, Editor, sides_of};
 use crate::geom::{Point2, Vec2};
 use crate::grid::Connectivity;
 use crate::labels::Role;
@@ -12,6 +13,7 @@ use crate::topology::edits::{At, NotApplied, Target};
 
 /// How far a drawn doorway reaches on both sides of its line, in meters.
 const HALF_DEPTH_M: f64 = 0.1;
+
 impl Editor<'_> {
     /// Makes the cells of the gap that `line` means the doorway's.
     pub(super) fn put_doorway(&mut self, doorway: RegionId, line: [At; 2]) -> Result<Done, NotApplied> {
