@@ -6,36 +6,28 @@
 
 mod training_maps;
 
-use std::path::PathBuf;
-use std::{env, fs};
+use std::fs;
 
 use placegraph::doorways::{DoorwayConfig, Marked, mark};
 use placegraph::model::Model;
 use placegraph::progress::Silent;
 use placegraph::spaces::{Measurements, SpaceConfig, pieces_between};
 use placegraph::training::{SpaceExamples, learn_spaces, space_examples};
-use rayon::prelude::*;
-use training_maps::{Outcome, TrainingMap, maps_of, source};
+use training_maps::{Arguments, Outcome, TrainingMap};
 
 fn main() -> Outcome<()> {
-    let arguments: Vec<String> = env::args().skip(1).collect();
-    let [out, rounds, max_cells, folders @ ..] = arguments.as_slice() else {
-        return Err("expected OUT ROUNDS MAX_CELLS FOLDER:EVERY:SCALES...".into());
-    };
-    let max_cells = max_cells.parse()?;
+    let arguments = Arguments::read()?;
     let model = Model::builtin();
-    let maps = folders.iter().map(|folder| maps_of(folder, max_cells)).collect::<Outcome<Vec<_>>>()?.concat();
-    let of_map = |map: &(PathBuf, f64)| Ok(examples(&TrainingMap::load(&map.0, map.1, &model)?, &model));
-    let examples: Vec<SpaceExamples> = maps.par_iter().map(of_map).collect::<Outcome<_>>()?;
+    let examples = arguments.examples(&model, |map| examples(map, &model))?;
     let known = || examples.iter().flat_map(|map| map.is_passage.iter().flatten());
     println!(
         "{} maps, {} pieces, {} passages",
-        maps.len(),
+        arguments.n_maps(),
         known().count(),
         known().filter(|&&is| is).count()
     );
-    let sources = folders.iter().map(|folder| source(folder)).collect();
-    fs::write(out, learn_spaces(examples, rounds.parse()?, sources, &Silent)?.to_json())?;
+    let Arguments { out, rounds, sources, .. } = arguments;
+    fs::write(out, learn_spaces(examples, rounds, sources, &Silent)?.to_json())?;
     Ok(())
 }
 

@@ -17,7 +17,8 @@
 //! | the topological map | [`topology`] | 4.7 |
 //!
 //! The same input gives the same bits on any number of threads. The library does not print, read a clock or draw random
-//! numbers, and keeps no state, except that the environment chooses the vector instructions once (`scan::Instructions`).
+//! numbers, and keeps no state, except that the environment chooses the vector instructions once (`scan::Instructions`), and that
+//! the built-in models are read once.
 //! Only functions like `import::load_map` open files.
 //!
 //! # Start here

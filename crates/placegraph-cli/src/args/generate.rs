@@ -3,7 +3,10 @@
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use placegraph_generate::{Mapping, Style};
+
+use super::values;
 
 /// A heading of the help.
 const PLANS: &str = "Surveyed buildings";
@@ -11,8 +14,8 @@ const PLANS: &str = "Surveyed buildings";
 #[derive(Debug, Args)]
 pub(crate) struct GenerateArgs {
     /// Generate buildings of this kind
-    #[arg(long, value_enum, default_value_t = StyleArg::Mixed)]
-    pub(crate) style: StyleArg,
+    #[arg(long, value_parser = values::style(), default_value = Style::Mixed.name())]
+    pub(crate) style: Style,
     /// Map surveyed buildings instead: floor plans (XML), or flats (JSON, one per line)
     #[arg(long, help_heading = PLANS, value_name = "FILE", conflicts_with = "style")]
     pub(crate) plan: Vec<PathBuf>,
@@ -29,8 +32,8 @@ pub(crate) struct GenerateArgs {
     #[arg(long, value_name = "I", default_value_t = 0)]
     pub(crate) first: u64,
     /// Make the maps this way
-    #[arg(long, value_enum, default_value_t = MappingArg::Mixed)]
-    pub(crate) mapping: MappingArg,
+    #[arg(long, value_parser = values::mapping(), default_value = Mapping::Mixed.name())]
+    pub(crate) mapping: Mapping,
     /// Set the meters per cell, 0.02 to 0.2 [default: random for each building]
     #[arg(long, value_name = "METERS")]
     pub(crate) resolution: Option<f64>,
@@ -40,34 +43,4 @@ pub(crate) struct GenerateArgs {
     /// Write a folder per building to this folder
     #[arg(short, long, value_name = "DIR")]
     pub(crate) out: PathBuf,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum StyleArg {
-    Office,
-    Home,
-    Hospital,
-    Hotel,
-    School,
-    Warehouse,
-    /// Any of the six above
-    Mixed,
-    /// Open lobbies, wide and deep doors, short dead-end corridors
-    Campus,
-    /// Desks on an open floor around a core
-    OpenOffice,
-    /// Narrow hallways, closets, with door leaves and furniture in the way
-    Flat,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum MappingArg {
-    /// A robot drives through and maps what its laser sees
-    Slam,
-    /// A drawing without furniture
-    Clean,
-    /// A drawing with furniture
-    Furnished,
-    /// Any of these, most often slam
-    Mixed,
 }

@@ -14,7 +14,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
 pub(crate) use edit::EditArgs;
-pub(crate) use generate::{GenerateArgs, MappingArg, StyleArg};
+pub(crate) use generate::GenerateArgs;
 use placegraph::export::Format;
 pub(crate) use read::{ReadArgs, RulesArg};
 pub(crate) use site::SiteArgs;
@@ -296,8 +296,7 @@ pub(crate) struct PageArgs {
     /// Write the page to this file
     #[arg(short, long, value_name = "PAGE.html")]
     pub(crate) output: PathBuf,
-    /// Open with this map: map_server YAML, image (with --resolution) or CARMEN map
-    #[arg(long, value_name = "MAP", conflicts_with = "result")]
+    #[arg(long, value_name = "MAP", conflicts_with = "result", help = read::maps_but_recordings("Open with this map"))]
     pub(crate) map: Option<PathBuf>,
     /// Set the meters per pixel of an image without a YAML file
     #[arg(long, value_name = "METERS", requires = "map")]

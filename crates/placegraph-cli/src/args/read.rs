@@ -7,13 +7,22 @@ use super::{MAX_CELLS, READING};
 
 /// The help of a map: what it is for, and the kinds of map file.
 pub(super) fn maps(what: &str) -> String {
+    listed(what, |_| true)
+}
+
+/// The same for maps that are no recordings.
+pub(super) fn maps_but_recordings(what: &str) -> String {
+    listed(what, |format| format != Format::Recording)
+}
+
+fn listed(what: &str, is_read: impl Fn(Format) -> bool) -> String {
     let name = |format: Format| match format {
         Format::Image => "image (with --resolution)",
         other => other.name(),
     };
-    let names = Format::ALL.map(name);
-    let [others @ .., last] = &names;
-    format!("{what}: {} or {last}", others.join(", "))
+    let mut names: Vec<&str> = Format::ALL.into_iter().filter(|&format| is_read(format)).map(name).collect();
+    let last = names.pop().unwrap_or_default();
+    format!("{what}: {} or {last}", names.join(", "))
 }
 
 /// How a map file is read.

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use placegraph::export::{FORMATS, Format, Georeference};
 use placegraph::topology::reach::MAX_RADIUS_M;
+use placegraph_generate::{Mapping, Style};
 
 /// Pixels of an image, y down, upper bounds exclusive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,6 +168,34 @@ impl Formats {
             |format: &&Format| words.iter().any(|word| word.0.iter().any(|f| f.name == format.name));
         FORMATS.iter().filter(is_asked).collect()
     }
+}
+
+/// A style of generated buildings by its name.
+pub(crate) fn style() -> impl TypedValueParser<Value = Style> {
+    let value = |style: Style| {
+        let value = PossibleValue::new(style.name());
+        match style {
+            Style::Mixed => value.help("Any of the six above"),
+            Style::Campus => value.help("Open lobbies, wide and deep doors, short dead-end corridors"),
+            Style::OpenOffice => value.help("Desks on an open floor around a core"),
+            Style::Flat => value.help("Narrow hallways, closets, with door leaves and furniture in the way"),
+            _ => value,
+        }
+    };
+    PossibleValuesParser::new(Style::ALL.map(value)).try_map(|name| name.parse::<Style>())
+}
+
+/// A way to make maps of generated buildings by its name.
+pub(crate) fn mapping() -> impl TypedValueParser<Value = Mapping> {
+    let value = |mapping: Mapping| {
+        PossibleValue::new(mapping.name()).help(match mapping {
+            Mapping::Slam => "A robot drives through and maps what its laser sees",
+            Mapping::Clean => "A drawing without furniture",
+            Mapping::Furnished => "A drawing with furniture",
+            Mapping::Mixed => "Any of these, most often slam",
+        })
+    };
+    PossibleValuesParser::new(Mapping::ALL.map(value)).try_map(|name| name.parse::<Mapping>())
 }
 
 #[cfg(test)]

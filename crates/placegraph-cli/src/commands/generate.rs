@@ -6,12 +6,12 @@ use anyhow::{Context, Result, ensure};
 use indicatif::{ParallelProgressIterator, ProgressBar};
 use placegraph::grid::OccupancyGrid;
 use placegraph_generate::{
-    Building, Mapping, Options, Style, files, generate, generate_growing, generate_surveyed, map_files,
+    Building, Options, files, generate, generate_growing, generate_surveyed, map_files,
 };
 use rayon::prelude::*;
 
 use super::{Outcome, plans};
-use crate::args::{GenerateArgs, MappingArg, StyleArg};
+use crate::args::GenerateArgs;
 use crate::output::{Existing, OutputSet, complain};
 
 /// Makes every building in a folder of its own.
@@ -22,9 +22,9 @@ pub(crate) fn run(args: &GenerateArgs) -> Result<Outcome> {
             "expected a resolution of 0.02 to 0.2, found {resolution_m}"
         );
     }
-    let options = Options { mapping: mapping(args.mapping), resolution_m: args.resolution };
+    let options = Options { mapping: args.mapping, resolution_m: args.resolution };
     if args.plan.is_empty() {
-        let style = style(args.style);
+        let style = args.style;
         return write_all(args, args.count.unwrap_or(1), |index| {
             let name = format!("{}_{}_{index:03}", style.name(), args.seed);
             let (building, growing) = match args.growing {
@@ -91,28 +91,4 @@ fn write_all(args: &GenerateArgs, count: u64, make: impl Fn(u64) -> Result<Made>
     let n_failed = failed.try_reduce(|| 0, |a, b| Ok::<u64, anyhow::Error>(a + b))?;
     complain(&format!("{} buildings in {}", count - n_failed, args.out.display()));
     Ok(if n_failed == 0 { Outcome::Done } else { Outcome::CheckFailed })
-}
-
-fn style(style: StyleArg) -> Style {
-    match style {
-        StyleArg::Office => Style::Office,
-        StyleArg::Home => Style::Home,
-        StyleArg::Hospital => Style::Hospital,
-        StyleArg::Hotel => Style::Hotel,
-        StyleArg::School => Style::School,
-        StyleArg::Warehouse => Style::Warehouse,
-        StyleArg::Mixed => Style::Mixed,
-        StyleArg::Campus => Style::Campus,
-        StyleArg::OpenOffice => Style::OpenOffice,
-        StyleArg::Flat => Style::Flat,
-    }
-}
-
-fn mapping(mapping: MappingArg) -> Mapping {
-    match mapping {
-        MappingArg::Slam => Mapping::Slam,
-        MappingArg::Clean => Mapping::Clean,
-        MappingArg::Furnished => Mapping::Furnished,
-        MappingArg::Mixed => Mapping::Mixed,
-    }
 }

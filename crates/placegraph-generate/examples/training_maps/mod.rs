@@ -1,12 +1,14 @@
-//! The maps that examples learn from: FOLDER:EVERY:SCALES names some of them.
+//! What the programs that learn take: OUT ROUNDS MAX_CELLS FOLDER:EVERY:SCALES...
+//!
+//! They learn from maps, make ROUNDS rounds, and write their model to OUT. Maps of more than MAX_CELLS cells are left out.
 //!
 //! FOLDER holds maps as `placegraph generate` writes them: NAME/map.yaml, labels.png, rooms.png. Of these, by name, the first
 //! is taken, and every EVERY-th after it. The resolution of the first that is taken is multiplied by the first of SCALES (as
 //! 1,0.8,1.35), that of the next by the next, over and over.
 
 use std::error::Error;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{env, fs};
 
 use placegraph::grid::{FreeSpace, Grid, MapFrame};
 use placegraph::import::{
@@ -16,6 +18,7 @@ use placegraph::labels::{Label, LabelField};
 use placegraph::model::Model;
 use placegraph::pipeline::{Smoothed, classify, smooth};
 use placegraph::progress::Silent;
+use rayon::prelude::*;
 
 pub(crate) type Outcome<T> = Result<T, Box<dyn Error + Send + Sync>>;
 
@@ -31,8 +34,52 @@ pub(crate) struct TrainingMap {
     pub(crate) rooms: Grid<u16>,
 }
 
+/// The arguments of a program that learns.
+pub(crate) struct Arguments {
+    /// Where the model goes.
+    pub(crate) out: PathBuf,
+    pub(crate) rounds: usize,
+    /// Each map's folder and scale.
+    maps: Vec<(PathBuf, f64)>,
+    /// What the model's record says of the maps.
+    pub(crate) sources: Vec<String>,
+}
+
+impl Arguments {
+    /// Reads the command line.
+    pub(crate) fn read() -> Outcome<Self> {
+        let arguments: Vec<String> = env::args().skip(1).collect();
+        let [out, rounds, max_cells, folders @ ..] = arguments.as_slice() else {
+            return Err("expected OUT ROUNDS MAX_CELLS FOLDER:EVERY:SCALES...".into());
+        };
+        let max_cells = max_cells.parse()?;
+        let maps = folders.iter().map(|folder| maps_of(folder, max_cells)).collect::<Outcome<Vec<_>>>()?;
+        Ok(Self {
+            out: out.into(),
+            rounds: rounds.parse()?,
+            maps: maps.concat(),
+            sources: folders.iter().map(|folder| source(folder)).collect(),
+        })
+    }
+
+    pub(crate) fn n_maps(&self) -> usize {
+        self.maps.len()
+    }
+
+    /// What `examples_of` makes of every map, labeled by `model`.
+    pub(crate) fn examples<T: Send>(
+        &self,
+        model: &Model,
+        examples_of: impl Fn(&TrainingMap) -> T + Sync,
+    ) -> Outcome<Vec<T>> {
+        let of_map =
+            |(folder, scale): &(PathBuf, f64)| Ok(examples_of(&TrainingMap::load(folder, *scale, model)?));
+        self.maps.par_iter().map(of_map).collect()
+    }
+}
+
 /// The maps of at most `max_cells` cells that FOLDER:EVERY:SCALES takes, each with its scale.
-pub(crate) fn maps_of(argument: &str, max_cells: u64) -> Outcome<Vec<(PathBuf, f64)>> {
+fn maps_of(argument: &str, max_cells: u64) -> Outcome<Vec<(PathBuf, f64)>> {
     let mut parts = argument.rsplitn(3, ':');
     let (Some(scales), Some(every), Some(folder)) = (parts.next(), parts.next(), parts.next()) else {
         return Err(format!("expected FOLDER:EVERY:SCALES, found {argument:?}").into());
@@ -52,7 +99,7 @@ pub(crate) fn maps_of(argument: &str, max_cells: u64) -> Outcome<Vec<(PathBuf, f
 }
 
 /// What the model's record says of FOLDER:EVERY:SCALES: the last two parts of the path.
-pub(crate) fn source(argument: &str) -> String {
+fn source(argument: &str) -> String {
     let names: Vec<&str> = argument.rsplitn(3, '/').take(2).collect();
     names.into_iter().rev().collect::<Vec<_>>().join("/")
 }
@@ -65,7 +112,7 @@ fn n_cells(folder: &Path) -> Outcome<u64> {
 
 impl TrainingMap {
     /// The map in `folder`, whose cells are taken for `scale` times as large as they are.
-    pub(crate) fn load(folder: &Path, scale: f64, model: &Model) -> Outcome<Self> {
+    fn load(folder: &Path, scale: f64, model: &Model) -> Outcome<Self> {
         let mut map = load_map(&folder.join("map.yaml"), &ReadOptions::default())?.grid;
         map.frame = MapFrame::new(map.frame.resolution_m() * scale, map.frame.map_from_grid())?;
         let space = FreeSpace::of(&map);

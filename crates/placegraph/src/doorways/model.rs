@@ -1,5 +1,7 @@
 //! What was learned of gates: boosted stumps over their figures, with calibrated probabilities.
 
+use std::sync::LazyLock;
+
 use super::figures::REGISTRY;
 use crate::boost::{Calibrated, CalibratedFileError, CalibratedFormat};
 
@@ -25,13 +27,15 @@ pub struct GateModel {
 }
 
 impl GateModel {
-    /// The model inside the program.
+    /// The model inside the program. Its file is read once.
     ///
     /// # Panics
     /// Never: a test reads it.
     #[expect(clippy::expect_used, reason = "the asset is read by a test")]
     pub fn builtin() -> Self {
-        Self::from_json(BUILTIN).expect("the program's own model")
+        static MODEL: LazyLock<GateModel> =
+            LazyLock::new(|| GateModel::from_json(BUILTIN).expect("the program's own model"));
+        MODEL.clone()
     }
 
     /// Reads a model file.

@@ -268,14 +268,7 @@ fn most_frequent(cells: &[usize], labels: &Grid<Option<Label>>) -> Option<Label>
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// c corridor, r room, d doorway, everything else unlabeled; the first line is the top row.
-    fn grid(drawing: &str) -> Grid<Option<Label>> {
-        let lines: Vec<&str> = drawing.split_whitespace().collect();
-        let label = |letter| "crd".find(letter).map(|index| Label(index as u8));
-        let values = lines.iter().rev().flat_map(|line| line.chars().map(label)).collect();
-        Grid::from_rows(lines[0].len() as u32, lines.len() as u32, values)
-    }
+    use crate::eval::drawn::grid;
 
     fn count(predicted: &str, truth: &str, resolution_m: f64) -> DoorCounts {
         DoorCounts::count(&grid(predicted), &grid(truth), &LabelSet::default(), resolution_m)

@@ -162,13 +162,7 @@ impl fmt::Display for CellScores {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn grid(drawing: &str) -> Grid<Option<Label>> {
-        let lines: Vec<&str> = drawing.split_whitespace().collect();
-        let label = |letter| "crd".find(letter).map(|index| Label(index as u8));
-        let values = lines.iter().rev().flat_map(|line| line.chars().map(label)).collect();
-        Grid::from_rows(lines[0].len() as u32, lines.len() as u32, values)
-    }
+    use crate::eval::drawn::grid;
 
     fn share(found: Option<f64>, part: f64, whole: f64) -> bool {
         found.is_some_and(|found| (found - part / whole).abs() < 1e-12)

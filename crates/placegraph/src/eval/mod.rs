@@ -2,6 +2,8 @@
 
 mod door_scores;
 mod doors;
+#[cfg(test)]
+mod drawn;
 mod metrics;
 mod paired;
 mod rooms;

@@ -188,15 +188,7 @@ fn diamond(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
         0.28 * size,
         place.id.0
     );
-    if place.name != format!("{} {}", place.class, place.id.0) {
-        push!(
-            svg,
-            r##"<text x="{x:.1}" y="{:.1}" font-family="{FONTS}" font-size="{size:.1}" text-anchor="middle" fill="{INK}" stroke="#ffffff" stroke-width="{:.2}" stroke-linejoin="round" paint-order="stroke">{}</text>"##,
-            y + r + size,
-            0.25 * size,
-            escaped(&place.name)
-        );
-    }
+    own_name(svg, place, Point2::new(x, y + r + size), size);
 }
 
 fn circle(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
@@ -215,13 +207,20 @@ fn circle(svg: &mut String, place: &Place, label_set: &LabelSet, view: &View) {
         y + 0.31 * size,
         0.86 * size
     );
-    if place.name != format!("{} {id}", place.class) {
-        push!(
-            svg,
-            r##"<text x="{x:.1}" y="{:.1}" font-family="{FONTS}" font-size="{size:.1}" text-anchor="middle" fill="{INK}" stroke="#ffffff" stroke-width="{:.2}" stroke-linejoin="round" paint-order="stroke">{}</text>"##,
-            y + r + size,
-            0.25 * size,
-            escaped(&place.name)
-        );
+    own_name(svg, place, Point2::new(x, y + r + size), size);
+}
+
+/// The name of a place that has one of its own, with its base line around `at`.
+fn own_name(svg: &mut String, place: &Place, at: Point2, size: f64) {
+    if place.name == format!("{} {}", place.class, place.id.0) {
+        return;
     }
+    push!(
+        svg,
+        r##"<text x="{:.1}" y="{:.1}" font-family="{FONTS}" font-size="{size:.1}" text-anchor="middle" fill="{INK}" stroke="#ffffff" stroke-width="{:.2}" stroke-linejoin="round" paint-order="stroke">{}</text>"##,
+        at.x,
+        at.y,
+        0.25 * size,
+        escaped(&place.name)
+    );
 }

@@ -18,7 +18,7 @@ const MARGIN_CELLS: f64 = 6.0;
 ///
 /// Cost: linear in the cells of the part that the scan sees.
 pub fn scan_png(grid: &OccupancyGrid, cell: Cell, scan: &RangeScan) -> Vec<u8> {
-    let robot = Point2::new(f64::from(cell.x) + 0.5, f64::from(cell.y) + 0.5);
+    let robot = cell.center();
     let ends: Vec<Point2> = (0..N_BEAMS)
         .map(|beam| {
             let end = scan.end_point(beam);

@@ -106,6 +106,20 @@ impl LabelSet {
 
     /// A set of `classes` in this order.
     ///
+    /// # Examples
+    /// ```
+    /// use placegraph::labels::{Class, Label, LabelSet, Role};
+    ///
+    /// let class = |name: &str, role, color| Class { name: name.to_owned(), role, color };
+    /// let set = LabelSet::new(vec![
+    ///     class("hall", Role::Passage, [86, 156, 214]),
+    ///     class("office", Role::Place, [244, 200, 120]),
+    ///     class("door", Role::Doorway, [206, 68, 84]),
+    /// ])?;
+    /// assert_eq!(set.label("door"), Some(Label(2)));
+    /// # Ok::<(), placegraph::labels::LabelSetError>(())
+    /// ```
+    ///
     /// # Errors
     /// If there are fewer than 2 or more than 8, or a name is empty, too long, not unique, or has characters that are
     /// not printable.

@@ -10,7 +10,7 @@ use crate::features::FeatureId;
 use crate::labels::{Label, LabelSet};
 use crate::regions::Thresholds;
 use crate::relax::{Compatibility, RelaxConfig};
-use crate::scan::ScanConfig;
+use crate::scan::{OutOfRange, ScanConfig};
 use crate::syntax::SyntaxError;
 
 /// The name of the format, first in the file.
@@ -320,12 +320,8 @@ fn read_stump(stump: (u32, f32, i8, f64), features: &[FeatureId]) -> Result<Weig
 }
 
 fn check_scan(scan: &ScanConfig) -> Result<(), ModelError> {
-    let default = ScanConfig::default();
-    let ranges = ScanConfig { range_max_m: scan.range_max_m, ..default };
-    range("range_max_m", "a number above 0 to 10000", ranges.is_valid(), || scan.range_max_m)?;
-    let scales = ScanConfig { range_scale: scan.range_scale, ..default };
-    range("range_scale", "a number above 0 to 100", scales.is_valid(), || scan.range_scale)?;
-    range("max_speck_m", "a number from 0 to 2", scan.is_valid(), || scan.max_speck_m)
+    let value = |OutOfRange { field, expected, found }| ModelError::Value { field, expected, found };
+    scan.check().map_err(value)
 }
 
 fn check_thresholds(thresholds: &Thresholds) -> Result<(), ModelError> {

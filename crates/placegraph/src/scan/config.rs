@@ -53,12 +53,33 @@ impl ScanConfig {
 
     /// Whether ranges and scale are above 0 and small enough for features to be finite, and the size of specks is
     /// valid.
-    pub fn is_valid(&self) -> bool {
-        let in_range = |value: f64, max: f64| value > 0.0 && value <= max;
-        in_range(self.range_max_m, Self::MAX_RANGE_M)
-            && in_range(self.range_scale, Self::MAX_SCALE)
-            && (0.0..=Self::MAX_SPECK_M).contains(&self.max_speck_m)
+    ///
+    /// # Errors
+    /// If one is not: the first.
+    pub fn check(&self) -> Result<(), OutOfRange> {
+        let checked = |holds: bool, field, expected, found| {
+            if holds { Ok(()) } else { Err(OutOfRange { field, expected, found }) }
+        };
+        let up_to = |value: f64, max: f64| value > 0.0 && value <= max;
+        let Self { range_max_m, range_scale, max_speck_m, unknown: _ } = *self;
+        let has_range = up_to(range_max_m, Self::MAX_RANGE_M);
+        checked(has_range, "range_max_m", "a number above 0 to 10000", range_max_m)?;
+        let has_scale = up_to(range_scale, Self::MAX_SCALE);
+        checked(has_scale, "range_scale", "a number above 0 to 100", range_scale)?;
+        let has_speck = (0.0..=Self::MAX_SPECK_M).contains(&max_speck_m);
+        checked(has_speck, "max_speck_m", "a number from 0 to 2", max_speck_m)
     }
+}
+
+/// A number of a [`ScanConfig`] that makes no scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OutOfRange {
+    /// Which one.
+    pub field: &'static str,
+    /// The numbers that do.
+    pub expected: &'static str,
+    /// The number.
+    pub found: f64,
 }
 
 impl Default for ScanConfig {

@@ -23,7 +23,7 @@ pub(crate) use caster::Ranges;
 #[doc(hidden)]
 pub use caster::{BlockRanges, RayCaster};
 pub(crate) use changes::{Stops, may_differ};
-pub use config::{N_BEAMS, ScanConfig, UnknownCells, beam_angle_rad};
+pub use config::{N_BEAMS, OutOfRange, ScanConfig, UnknownCells, beam_angle_rad};
 pub use instructions::Instructions;
 pub use path::beam_direction;
 pub use scan::RangeScan;

@@ -9,7 +9,7 @@ use crate::labels::LabelSet;
 use crate::model::{Method, Model};
 use crate::regions::Thresholds;
 use crate::relax::{LEAST_COMPATIBLE, RelaxConfig};
-use crate::scan::ScanConfig;
+use crate::scan::{OutOfRange, ScanConfig};
 
 /// Rounds of boosting in the chapter's setting.
 pub(super) const CHAPTER_ROUNDS: usize = 100;
@@ -198,11 +198,8 @@ impl TrainConfig {
         distinct.dedup();
         check(!distinct.is_empty(), "features", "at least one")?;
         check(distinct.len() == self.features.len(), "features", "every feature once")?;
-        check(
-            self.scan.is_valid(),
-            "scan",
-            "ranges above 0 to 10000 m, a scale above 0 to 100, specks to 2 m",
-        )?;
+        let setting = |OutOfRange { field, expected, .. }| TrainError::Setting { field, expected };
+        self.scan.check().map_err(setting)?;
         check(
             (1..=255).contains(&self.scales.len())
                 && self.scales.iter().all(|&s| above_0(&s) && s <= ScanConfig::MAX_SCALE),

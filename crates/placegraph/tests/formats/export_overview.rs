@@ -70,6 +70,11 @@ fn the_picture_shows_classes_walls_and_signs() {
     assert_ne!(image, without);
 }
 
+/// A view of the map from this column on, 10 pixels a cell.
+fn view(frame: MapFrame, left_cells: f64) -> View {
+    View { frame, left_cells, top_cells: 7.0, px_per_cell: 10.0, offset_px: [5.0, 6.0], text_px: 12.0 }
+}
+
 #[test]
 fn names_with_markup_and_control_characters_are_text() {
     let (grid, labels) = two_places();
@@ -83,14 +88,7 @@ fn names_with_markup_and_control_characters_are_text() {
     let mut map = topology(&grid, &labels, &set);
     map.places[0].name = "</text><script>".into();
     map.places[1].name = "room\u{1}\u{0}\u{ffff}".into();
-    let view = View {
-        frame: grid.frame,
-        left_cells: 0.0,
-        top_cells: 7.0,
-        px_per_cell: 10.0,
-        offset_px: [5.0, 6.0],
-        text_px: 12.0,
-    };
+    let view = view(grid.frame, 0.0);
     let svg = overlay_svg(&map, &set, &view);
     assert!(svg.contains("&lt;/text&gt;&lt;script&gt;") && !svg.contains("<script>"));
     decoded(&overview_png(&grid, &labels, &set, &map, "]]> & \u{8} <b>"));
@@ -99,14 +97,7 @@ fn names_with_markup_and_control_characters_are_text() {
 #[test]
 fn a_view_undoes_the_frame() {
     let (grid, _) = two_places();
-    let view = View {
-        frame: grid.frame,
-        left_cells: 1.0,
-        top_cells: 7.0,
-        px_per_cell: 10.0,
-        offset_px: [5.0, 6.0],
-        text_px: 12.0,
-    };
+    let view = view(grid.frame, 1.0);
     let pixel = view.pixel(grid.frame.map_from_cells(Point2::new(3.0, 5.0)));
     assert!(pixel.distance(Point2::new(25.0, 26.0)) < 1e-9);
 }
