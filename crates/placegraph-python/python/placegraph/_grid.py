@@ -186,7 +186,7 @@ def load_map(
     allow_outside: bool = False,
     max_cells: int = 400_000_000,
 ) -> OccupancyGrid:
-    """Reads a map: map_server YAML, a plain image (with ``resolution``) or a CARMEN map.
+    """Reads a map: map_server YAML, a plain image (with ``resolution``), or any other map file that the program reads.
 
     Parameters
     ----------

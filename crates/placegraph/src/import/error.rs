@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use super::Format;
 use crate::grid::FrameError;
 
 /// Why a map could not be read.
@@ -172,9 +173,11 @@ pub enum MapError {
         /// Name of a YAML file next to the image, with the same stem.
         yaml: Option<String>,
     },
-    /// The bytes are JSON, but not of a Valetudo map.
-    #[error("expected the JSON of a Valetudo map: {message}")]
-    Valetudo {
+    /// The file is of a known kind, but damaged.
+    #[error("the {} cannot be read: {message}", format.name())]
+    Damaged {
+        /// Its kind.
+        format: Format,
         /// What is wrong.
         message: String,
     },

@@ -33,7 +33,7 @@ pub fn read(path: &Path, max_bytes: u64) -> Result<Vec<u8>, MapError> {
     read_with(path, |_| Ok(max_bytes))
 }
 
-/// Reads the file at `path` that holds an image, a CARMEN map or a Valetudo map of at most `max_cells` cells.
+/// Reads the file at `path` that holds an image or a whole map of at most `max_cells` cells.
 ///
 /// # Errors
 /// If it cannot be read, changes meanwhile, or is larger than such a file can be. An image with too many pixels is

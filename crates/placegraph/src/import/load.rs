@@ -158,8 +158,8 @@ fn name_below(path: &Path, whole: Option<&Path>) -> String {
     printable(&name.to_string_lossy())
 }
 
-/// Reads the map at `path`: a map_server YAML or a recording by its extension, else a CARMEN map (gzipped or not), a Valetudo map or an
-/// image by its first bytes. Cost: a few passes over the cells.
+/// Reads the map at `path`: a map_server YAML or a recording by its extension, else what its first bytes say: a file with a whole
+/// map, or an image. Cost: a few passes over the cells.
 ///
 /// # Errors
 /// If a file cannot be read or is not what it should be, see [`MapError`]; the error names the file.

@@ -122,6 +122,10 @@ pub fn is_json(bytes: &[u8]) -> bool {
     bytes.trim_ascii_start().starts_with(b"{")
 }
 
+fn damaged(message: String) -> MapError {
+    MapError::Damaged { format: Format::Valetudo, message }
+}
+
 /// Reads a Valetudo map. Cost: one pass over the pixels.
 ///
 /// # Errors
@@ -131,10 +135,9 @@ pub fn parse(bytes: &[u8], max_cells: u64) -> Result<ValetudoMap, MapError> {
     if bytes.len() as u64 > MAX_BYTES {
         return Err(MapError::FileTooLarge { max_bytes: MAX_BYTES });
     }
-    let document: Document =
-        serde_json::from_slice(bytes).map_err(|error| MapError::Valetudo { message: error.to_string() })?;
+    let document: Document = serde_json::from_slice(bytes).map_err(|error| damaged(error.to_string()))?;
     if document.class != "ValetudoMap" {
-        return Err(MapError::Valetudo { message: format!("its __class is {:?}", document.class) });
+        return Err(damaged(format!("its __class is {:?}", document.class)));
     }
     let layers: Vec<&Layer> = document.layers.iter().filter(|layer| layer.occupancy().is_some()).collect();
     let bounds = Bounds::around(&layers)?;
@@ -143,7 +146,7 @@ pub fn parse(bytes: &[u8], max_cells: u64) -> Result<ValetudoMap, MapError> {
     MapError::check_size(width as u64, height as u64, max_cells)?;
     let n_pixels = layers.iter().flat_map(|layer| layer.runs()).map(|run| run.n as u64).sum::<u64>();
     if n_pixels > MAX_PIXELS_PER_CELL.saturating_mul((width * height) as u64) {
-        return Err(MapError::Valetudo { message: format!("{n_pixels} pixels in {width} x {height} cells") });
+        return Err(damaged(format!("{n_pixels} pixels in {width} x {height} cells")));
     }
     let (left, bottom) = (bounds.left - MARGIN, bounds.end + MARGIN);
     let resolution_m = document.pixel_size_cm / 100.0;
@@ -189,7 +192,7 @@ struct Bounds {
 
 impl Bounds {
     fn around(layers: &[&Layer]) -> Result<Self, MapError> {
-        let wrong = |message: String| Err(MapError::Valetudo { message });
+        let wrong = |message: String| Err(damaged(message));
         let mut bounds: Option<Self> = None;
         for layer in layers {
             if !layer.runs.len().is_multiple_of(3) || !layer.pixels.len().is_multiple_of(2) {
@@ -269,7 +272,13 @@ mod tests {
         let many = format!(r#"{{"type": "wall", "compressedPixels": [{again} 0, 0, 50]}}"#);
         assert!(message(&many).contains("6050 pixels"), "{}", message(&many));
         for other in [r#"{"__class": "Other", "pixelSize": 5, "layers": []}"#, "{}", "{\"__class\"", ""] {
-            assert!(matches!(parse(other.as_bytes(), 100), Err(MapError::Valetudo { .. })), "{other}");
+            assert!(
+                matches!(
+                    parse(other.as_bytes(), 100),
+                    Err(MapError::Damaged { format: Format::Valetudo, .. })
+                ),
+                "{other}"
+            );
         }
         for size in ["0", "-5", "1e400", "null"] {
             let text = format!(

@@ -6,9 +6,8 @@ use std::sync::LazyLock;
 
 use placegraph::doorways::{GateModel, figure_table};
 use placegraph::export::{
-    ExportError, Keepout, MapInfo, MaskSettings, MaskSheet, ReportInput, RmfBuilding, Rotated, SpeedLimit,
-    TmapInfo, TopologyDocument, ZonePer, dot, graphml, keepout_mask, nav2_route, regions_geojson,
-    regions_svg, report_html, rmf_building, rmf_nav_graph, speed_mask, tmap2, vector_shapes, zone_mask,
+    Export, FORMATS, MapInfo, MaskSettings, MaskSheet, Rotated, TopologyDocument, ZonePer, keepout_mask,
+    speed_mask, vector_shapes, zone_mask,
 };
 use placegraph::geom::{Point2, Pose2};
 use placegraph::grid::{FreeSpace, GridShape, MapFrame, Occupancy, OccupancyGrid};
@@ -210,55 +209,18 @@ pub fn topology(bytes: &[u8]) {
     }
     let n_cells = u64::from(shape.width) * u64::from(shape.height);
     if n_cells <= MAX_CELLS {
-        exports(&document, &map);
+        exports(&document);
     }
 }
 
 /// All formats; one that refuses does not keep the others from being tried.
-fn exports(document: &TopologyDocument, map: &TopologicalMap) {
-    let (classes, frame_id) = (&document.classes, document.map.frame_id.as_str());
-    let shape = document.map.shape().expect("what was read has a frame");
-    let building = RmfBuilding::of_level("b", "L1", map, shape, "map.png");
-    let tmap = TmapInfo {
-        name: "b".into(),
-        metric_map: "b".into(),
-        frame_id: frame_id.into(),
-        last_updated: "11-25-2026_20-00-00".into(),
-    };
-    let sheet = MaskSheet {
-        shape,
-        rotated: Rotated::Resample,
-        image_name: "mask.png".into(),
-        map_name: "mask.yaml".into(),
-        frame_id: frame_id.into(),
-    };
-    let report = ReportInput {
-        title: "b",
-        frame_id,
-        map,
-        labels: classes,
-        shape: &shape,
-        occupancy: None,
-        probability: None,
-        findings: &document.findings,
-        provenance: "",
-    };
-    let files: [Result<Vec<u8>, ExportError>; 13] = [
-        Ok(dot(map, classes).into_bytes()),
-        Ok(regions_svg(map, classes, &shape).into_bytes()),
-        graphml(map, &shape, frame_id),
-        regions_geojson(map, "map", None),
-        nav2_route(map, frame_id),
-        rmf_building(&building),
-        rmf_nav_graph(&building),
-        tmap2(map, &tmap),
-        vector_shapes(map, &shape, frame_id, &Keepout::default()),
-        report_html(&report).map(String::into_bytes),
-        keepout_mask(map, &sheet, &Keepout::default()).map(|files| files.image),
-        speed_mask(map, &sheet, &SpeedLimit::default()).map(|files| files.image),
-        zone_mask(map, &sheet, ZonePer::Place).map(|files| files.image),
-    ];
-    assert!(files.iter().flatten().all(|file| !file.is_empty()));
+fn exports(document: &TopologyDocument) {
+    let masks = MaskSettings { rotated: Rotated::Resample, zones: ZonePer::Place, ..MaskSettings::default() };
+    let export = Export::new(document, &masks).expect("what was read has a frame, and no mask is asked for");
+    for format in FORMATS {
+        let files = format.write(&export, &format.usual_name("b")).unwrap_or_default();
+        assert!(files.iter().all(|(_, bytes)| !bytes.is_empty()), "{}", format.name);
+    }
 }
 
 /// Training files.
