@@ -225,15 +225,3 @@ fn is_wanted(options: &ReadOptions, topic: &str) -> bool {
 fn wrong(message: String) -> MapError {
     MapError::Recording { message }
 }
-
-/// What is compressed by zstd in `data`, of at most `max_bytes` bytes.
-fn unpack_zstd(data: &[u8], max_bytes: u64) -> Result<Vec<u8>, MapError> {
-    let does_not = |error: &dyn fmt::Display| wrong(format!("what is compressed does not unpack: {error}"));
-    let decoder = ruzstd::decoding::StreamingDecoder::new(data).map_err(|error| does_not(&error))?;
-    let mut unpacked = Vec::new();
-    decoder.take(max_bytes.saturating_add(1)).read_to_end(&mut unpacked).map_err(|error| does_not(&error))?;
-    if unpacked.len() as u64 > max_bytes {
-        return Err(MapError::FileTooLarge { max_bytes });
-    }
-    Ok(unpacked)
-}

@@ -1,6 +1,8 @@
 //! Bags of ROS 2 before Iron: a database of SQLite with the tables `topics` and `messages`. Messages may be compressed one by one by zstd.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::io::Read;
 use std::path::Path;
 
 use rusqlite::config::DbConfig;
@@ -8,9 +10,7 @@ use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, Error, ErrorCode, OpenFlags};
 
-use super::{
-    GRID_TYPES, MapError, ReadOptions, RecordedGrid, is_wanted, max_bytes, open_stream, unpack_zstd, wrong,
-};
+use super::{GRID_TYPES, MapError, ReadOptions, RecordedGrid, is_wanted, max_bytes, open_stream, wrong};
 
 /// An open bag, which is not written to.
 pub(super) struct Database(Connection);
@@ -106,4 +106,16 @@ fn too_large(error: &Error, max_bytes: u64) -> Option<MapError> {
 #[expect(clippy::needless_pass_by_value, reason = "what `map_err` hands over")]
 fn damaged(error: Error) -> MapError {
     wrong(format!("{error}; `ros2 bag reindex` and `sqlite3 .recover` mend such files"))
+}
+
+/// What is compressed by zstd in `data`, of at most `max_bytes` bytes.
+fn unpack_zstd(data: &[u8], max_bytes: u64) -> Result<Vec<u8>, MapError> {
+    let does_not = |error: &dyn fmt::Display| wrong(format!("what is compressed does not unpack: {error}"));
+    let decoder = ruzstd::decoding::StreamingDecoder::new(data).map_err(|error| does_not(&error))?;
+    let mut unpacked = Vec::new();
+    decoder.take(max_bytes.saturating_add(1)).read_to_end(&mut unpacked).map_err(|error| does_not(&error))?;
+    if unpacked.len() as u64 > max_bytes {
+        return Err(MapError::FileTooLarge { max_bytes });
+    }
+    Ok(unpacked)
 }
