@@ -11,7 +11,7 @@
 
 use std::collections::VecDeque;
 
-use super::capacity::Capacity;
+pub use super::capacity::Capacity;
 use crate::grid::{Cell, Connectivity};
 
 /// A rectangle of cells with residual capacities to their `D` neighbors and to one of the two terminals.
