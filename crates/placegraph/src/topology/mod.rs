@@ -24,6 +24,7 @@ pub use map::{Connection, Doorway, Place, PlaceId, PolygonWithHoles, Route, Shor
 pub use names::{MAX_NAME_CHARS, NameError, check_name};
 #[doc(hidden)]
 pub use outline::outlines;
+#[cfg(feature = "import")]
 pub(crate) use raster::row_crossings;
 pub use raster::{PlaceRaster, PlaceSpan};
 #[doc(hidden)]
