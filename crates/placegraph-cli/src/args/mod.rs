@@ -311,7 +311,8 @@ pub(crate) struct PageArgs {
 
 #[derive(Debug, Args)]
 pub(crate) struct ReplayArgs {
-    /// Folder of maps, which are read in the order of their names, or a recording: MCAP, .db3, .bag
+    /// Folder of maps, which are read in the order of their names, or a recording: MCAP, .db3, .bag, or the folder
+    /// of `ros2 bag record`
     #[arg(value_name = "FOLDER|RECORDING")]
     pub(crate) source: PathBuf,
     /// Write a picture of each step, a table, and the last topology.json to this folder

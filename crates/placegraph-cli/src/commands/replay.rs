@@ -81,7 +81,7 @@ fn for_each_map(
     args: &ReplayArgs,
     each: &mut dyn FnMut(&str, &OccupancyGrid, String) -> Result<()>,
 ) -> Result<()> {
-    if args.source.is_dir() {
+    if map::is_folder_of_maps(&args.source) {
         let maps = map::maps_in(&args.source, &args.out)?;
         ensure!(!maps.is_empty(), "expected maps, found none");
         for path in maps {

@@ -299,9 +299,12 @@ impl MapError {
         }
     }
 
-    /// The same error, with the file it is in.
+    /// The same error, with the file it is in: where that is known, it is not the folder around it.
     pub(super) fn in_file(self, path: &std::path::Path) -> Self {
-        Self::InFile { error: Box::new(self), path: path.to_owned() }
+        match self {
+            Self::InFile { .. } => self,
+            error => Self::InFile { error: Box::new(error), path: path.to_owned() },
+        }
     }
 
     /// Checks a size read from a header, before memory is taken for it.

@@ -152,7 +152,8 @@ pub fn map_name(path: &Path) -> String {
 
 /// The name of the map at `path`; a file called `map` takes that of its folder in `whole`, where that names one.
 fn name_below(path: &Path, whole: Option<&Path>) -> String {
-    let stem = path.file_stem().unwrap_or_default();
+    // A folder may be called `.`.
+    let stem = path.file_stem().or_else(|| whole?.file_stem()).unwrap_or_default();
     let folder = whole.and_then(Path::parent).and_then(Path::file_name);
     let name = if stem == "map" { folder.unwrap_or(stem) } else { stem };
     printable(&name.to_string_lossy())
@@ -185,10 +186,15 @@ pub fn load_map_from(
 
 fn load(path: &Path, opener: &impl Files, options: &ReadOptions) -> Result<LoadedMap, MapError> {
     if let Some(container) = Container::of(path) {
-        let recorded = recording::last_grid(opener.recording(path, container)?, options)?;
+        let recording = opener.recording(path, container)?;
+        let files = match recording.files() {
+            [] => vec![path.to_owned()],
+            files => files.to_vec(),
+        };
+        let recorded = recording::last_grid(recording, options)?;
         let (grid, source) = recording::map_of(&recorded, options)?;
         let hash = hex(Sha256::new_with_prefix(&recorded.cdr));
-        return Ok(LoadedMap { grid, name: map_name(path), source, hash, files: vec![path.to_owned()] });
+        return Ok(LoadedMap { grid, name: map_name(path), source, hash, files });
     }
     let is_yaml = is_yaml(path);
     let bytes = if is_yaml { opener.text(path)? } else { opener.cells(path)? };

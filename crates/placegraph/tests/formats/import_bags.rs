@@ -1,5 +1,6 @@
 //! Bags of ROS 1 and of ROS 2 before Iron. The files in `tests/corpus/bag` and `tests/corpus/database` were written by the Python package
-//! `rosbags` 0.11.9; the databases were written anew with pages of 512 bytes and without the texts of definitions.
+//! `rosbags` 0.11.9; the databases were written anew with pages of 512 bytes and without the texts of definitions. It wrote the folders in
+//! `bags` too, packed as a whole.
 
 use std::path::{Path, PathBuf};
 
@@ -130,6 +131,82 @@ mod read {
         database.execute("UPDATE messages SET data = zeroblob(20000000)", ()).unwrap();
         drop(database);
         assert!(matches!(load_map(&file, &few).unwrap_err().cause(), MapError::FileTooLarge { .. }));
+    }
+
+    fn folder(name: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/formats/bags").join(name)
+    }
+
+    /// A folder as a recorder makes it, of copies of files.
+    fn folder_of(parts: &[PathBuf]) -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        let mut metadata = "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n".to_owned();
+        for (n, part) in parts.iter().enumerate() {
+            let name = format!("{n}_{}", part.file_name().unwrap().to_string_lossy());
+            fs::copy(part, folder.path().join(&name)).unwrap();
+            metadata += &format!("    - {name}\n");
+        }
+        fs::write(folder.path().join("metadata.yaml"), metadata).unwrap();
+        folder
+    }
+
+    #[test]
+    fn the_folder_of_a_recorder_is_one_recording() {
+        for (name, file) in [("sqlite_zstd", "sqlite_zstd.db3.zstd"), ("mcap_zstd", "mcap_zstd.mcap.zstd")] {
+            let folder = folder(name);
+            let map = load_map(&folder, &ReadOptions::default()).unwrap();
+            assert_eq!((map.grid.cells.width(), map.name.as_str()), (7, name));
+            assert_eq!(map.grid.count(Occupancy::Occupied), 7);
+            let files: Vec<_> = map.files.iter().map(|file| file.file_name().unwrap()).collect();
+            assert_eq!(files, ["metadata.yaml", file]);
+            // The file alone is the same recording.
+            let alone = load_map(&folder.join(file), &ReadOptions::default()).unwrap();
+            assert_eq!((alone.grid, alone.hash), (map.grid, map.hash));
+        }
+    }
+
+    #[test]
+    fn of_several_files_the_last_map_of_all_is_taken() {
+        let [early, late] = [folder("mcap_zstd/mcap_zstd.mcap.zstd"), path("database/plain.db3")];
+        for parts in [[early.clone(), late.clone()], [late, early]] {
+            let folder = folder_of(&parts);
+            let map = load_map(folder.path(), &ReadOptions::default()).unwrap();
+            assert_eq!(map.grid.frame.map_from_grid(), Pose2::new(-1.5, 2.25, 0.0));
+            assert_eq!(map.files.len(), 3);
+            let mut times = Vec::new();
+            let recording = Recording::open(folder.path()).unwrap();
+            grids(recording, &on("/map"), &mut |grid| {
+                times.push(grid.log_time_ns);
+                Ok::<(), MapError>(())
+            })
+            .unwrap();
+            times.sort_unstable();
+            assert_eq!(times, [1, 1, 2, 2, 3]);
+        }
+    }
+
+    #[test]
+    fn a_folder_that_is_not_whole_says_which_file_is_wrong() {
+        let error = |folder: &Path| load_map(folder, &ReadOptions::default()).unwrap_err().to_string();
+        let bag = folder_of(&[path("database/plain.db3"), path("bag/plain.bag")]);
+        let cut_off = fs::read(path("bag/plain.bag")).unwrap();
+        fs::write(bag.path().join("1_plain.bag"), &cut_off[..cut_off.len() / 2]).unwrap();
+        let told = error(bag.path());
+        assert!(told.contains("cannot be read") && told.ends_with("1_plain.bag)"), "{told}");
+        fs::remove_file(bag.path().join("0_plain.db3")).unwrap();
+        let told = error(bag.path());
+        assert!(told.contains("No such file") && told.ends_with("0_plain.db3)"), "{told}");
+        let metadata = bag.path().join("metadata.yaml");
+        fs::write(&metadata, "rosbag2_bagfile_information: {relative_file_paths: []}").unwrap();
+        let told = error(bag.path());
+        assert!(told.contains("it names no file") && told.ends_with("metadata.yaml)"), "{told}");
+        fs::write(&metadata, "rosbag2_bagfile_information: {relative_file_paths: [../other.mcap]}").unwrap();
+        assert!(error(bag.path()).contains("../other.mcap"));
+        fs::write(&metadata, "something: else").unwrap();
+        assert!(error(bag.path()).contains("rosbag2_bagfile_information"));
+        let packed = bag.path().join("none.mcap.zstd");
+        fs::write(&packed, "nothing that is packed").unwrap();
+        assert!(error(&packed).contains("does not unpack"));
     }
 
     #[test]

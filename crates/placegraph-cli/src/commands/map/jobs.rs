@@ -30,11 +30,12 @@ pub(super) struct Job {
 /// its folder.
 pub(super) fn jobs(paths: &[PathBuf], out: &Path) -> Result<Vec<Job>> {
     if let [map] = paths
-        && !map.is_dir()
+        && !is_folder_of_maps(map)
     {
         return Ok(vec![Job { map: map.clone(), name: None, place: PathBuf::new() }]);
     }
-    let (folders, files): (Vec<&PathBuf>, Vec<&PathBuf>) = paths.iter().partition(|path| path.is_dir());
+    let (folders, files): (Vec<&PathBuf>, Vec<&PathBuf>) =
+        paths.iter().partition(|path| is_folder_of_maps(path));
     let mut named = told_apart(&files)?;
     for folder in folders {
         let found = maps_in(folder, out)?;
@@ -151,6 +152,11 @@ fn folder_name(folder: &Path) -> Option<OsString> {
     absolute.file_name().map(OsStr::to_owned)
 }
 
+/// Whether `path` is a folder, and not one recording.
+pub(crate) fn is_folder_of_maps(path: &Path) -> bool {
+    path.is_dir() && Container::of(path).is_none()
+}
+
 /// All maps below `folder`, in the order of their paths: YAML files that name an image, recordings, and files that hold a
 /// whole map. Hidden folders, links to folders and `out` are skipped; files of results are not maps.
 pub(crate) fn maps_in(folder: &Path, out: &Path) -> Result<Vec<PathBuf>> {
@@ -166,7 +172,7 @@ pub(crate) fn maps_in(folder: &Path, out: &Path) -> Result<Vec<PathBuf>> {
         let is_out = || same_file::is_same_file(&path, out).unwrap_or(false);
         if entry.file_type().with_context(cannot_read)?.is_dir() {
             if !is_hidden && !is_out() {
-                maps.extend(maps_in(&path, out)?);
+                maps.extend(if is_folder_of_maps(&path) { maps_in(&path, out)? } else { vec![path] });
             }
         } else if path.is_file() && !beside.vouches_for(&name.to_string_lossy()) && is_map(&path) {
             maps.push(path);
@@ -271,6 +277,14 @@ mod tests {
             ["a", "b", "b/up"]
         );
         assert!(jobs(&[site.join("out/c/nothing")], &site).unwrap()[0].name.is_none());
+        // The folder of a recorder is one map, alone and among others.
+        write("runs/monday/metadata.yaml", "rosbag2_bagfile_information:\n");
+        write("runs/monday/monday_0.mcap", "");
+        let monday = folder.path().join("runs/monday");
+        for argument in [&monday, &folder.path().join("runs")] {
+            let found = jobs(std::slice::from_ref(argument), &site).unwrap();
+            assert_eq!(found.iter().map(|job| &job.map).collect::<Vec<_>>(), [&monday]);
+        }
         fs::create_dir(site.join("empty")).unwrap();
         assert!(jobs(&[site.join("empty")], &site.join("out")).is_err());
     }

@@ -14,7 +14,7 @@ mod table;
 
 use anyhow::{Result, bail};
 
-pub(super) use self::jobs::maps_in;
+pub(super) use self::jobs::{is_folder_of_maps, maps_in};
 pub(super) use self::one::{Prepared, removal};
 pub(super) use self::result::join;
 pub(super) use self::setup::read_edits;

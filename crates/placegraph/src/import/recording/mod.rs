@@ -1,10 +1,12 @@
 //! Maps in recordings of ROS: the `nav_msgs/OccupancyGrid` messages of MCAP files, and with the features `sqlite` and `ros1` of bags of
-//! SQLite (`.db3`), as ROS 2 wrote them before Iron, and of ROS 1 (`.bag`).
+//! SQLite (`.db3`), as ROS 2 wrote them before Iron, and of ROS 1 (`.bag`); alone, packed as a whole by zstd (`.mcap.zstd`), or in the
+//! folder that ROS 2's recorder makes.
 //!
 //! A recording is read from its beginning to its end; what is kept is one message of each topic.
 
 #[cfg(feature = "ros1")]
 mod bag_file;
+mod folder;
 mod mcap_file;
 #[cfg(feature = "sqlite")]
 mod sqlite_file;
@@ -12,7 +14,7 @@ mod sqlite_file;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::file::{max_bytes, open_stream};
 use super::ros::{self, Interpretation, Mode};
@@ -41,12 +43,18 @@ pub enum Container {
     Sqlite,
     /// A bag of ROS 1.
     Ros1,
+    /// A folder with recordings of the other kinds and a `metadata.yaml`, as ROS 2's recorder makes it.
+    Folder,
 }
 
 impl Container {
-    /// The kind of a file by the ending of its name, whether or not this kind is read.
+    /// The kind of a file by the ending of its name, whether or not this kind is read; of a folder by its `metadata.yaml`.
     pub fn of(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_ascii_lowercase();
+        if folder::is_bag(path) {
+            return Some(Self::Folder);
+        }
+        let unpacked = if is_packed(path) { Path::new(path.file_stem()?) } else { path };
+        let extension = unpacked.extension()?.to_ascii_lowercase();
         match extension.to_str()? {
             "mcap" => Some(Self::Mcap),
             "db3" => Some(Self::Sqlite),
@@ -56,12 +64,21 @@ impl Container {
     }
 }
 
-/// A recording that is open.
-pub struct Recording<'a>(Opened<'a>);
+/// Whether a file is packed by zstd as a whole, by the ending of its name.
+fn is_packed(path: &Path) -> bool {
+    let is = |ending: &str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(ending));
+    is("zstd") || is("zst")
+}
+
+/// A recording that is open: of a folder, all its files.
+pub struct Recording<'a> {
+    files: Vec<PathBuf>,
+    parts: Vec<(Option<PathBuf>, Opened<'a>)>,
+}
 
 impl fmt::Debug for Recording<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("Recording").finish_non_exhaustive()
+        f.debug_struct("Recording").field("files", &self.files).finish_non_exhaustive()
     }
 }
 
@@ -74,20 +91,21 @@ enum Opened<'a> {
 }
 
 impl Recording<'static> {
-    /// Opens the recording at `path`.
+    /// Opens the recording at `path`. A database that is packed as a whole is unpacked into memory, of at most 1 GiB.
     ///
     /// # Errors
     /// If it cannot be opened, is no regular file, or is of a kind that is not read: with the features `sqlite` and `ros1`, all are.
     pub fn open(path: &Path) -> Result<Self, MapError> {
-        Ok(Self(match Container::of(path).unwrap_or(Container::Mcap) {
-            Container::Mcap => Opened::Mcap(Box::new(open_stream(path)?)),
-            #[cfg(feature = "ros1")]
-            Container::Ros1 => Opened::Ros1(Box::new(open_stream(path)?)),
-            #[cfg(feature = "sqlite")]
-            Container::Sqlite => Opened::Sqlite(sqlite_file::Database::open(path)?),
-            #[cfg(not(all(feature = "sqlite", feature = "ros1")))]
-            other => return Err(not_read(other)),
-        }))
+        if Container::of(path) != Some(Container::Folder) {
+            return Ok(Self { files: vec![path.to_owned()], parts: vec![(None, Opened::at(path)?)] });
+        }
+        let files = folder::files(path)?;
+        let part = |file: &PathBuf| {
+            let opened = Opened::at(file).map_err(|error| error.in_file(file))?;
+            Ok((Some(file.clone()), opened))
+        };
+        let parts = files[1..].iter().map(part).collect::<Result<Vec<_>, MapError>>()?;
+        Ok(Self { files, parts })
     }
 }
 
@@ -97,25 +115,75 @@ impl<'a> Recording<'a> {
     /// # Errors
     /// If it is of a kind that is not read, or is none of its kind.
     pub fn from_bytes(container: Container, bytes: &'a [u8]) -> Result<Self, MapError> {
-        Ok(Self(match container {
+        let opened = match container {
             Container::Mcap => Opened::Mcap(Box::new(bytes)),
             #[cfg(feature = "ros1")]
             Container::Ros1 => Opened::Ros1(Box::new(bytes)),
             #[cfg(feature = "sqlite")]
             Container::Sqlite => Opened::Sqlite(sqlite_file::Database::from_bytes(bytes)?),
-            #[cfg(not(all(feature = "sqlite", feature = "ros1")))]
             other => return Err(not_read(other)),
-        }))
+        };
+        Ok(Self { files: Vec::new(), parts: vec![(None, opened)] })
+    }
+
+    /// The files that are open, of a folder its `metadata.yaml` too; none of a recording in memory.
+    pub fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 }
 
+impl Opened<'static> {
+    /// Opens one file.
+    fn at(path: &Path) -> Result<Self, MapError> {
+        let source = || -> Result<Box<dyn Read>, MapError> {
+            let file = open_stream(path)?;
+            Ok(if is_packed(path) { Box::new(unpacked(file)?) } else { Box::new(file) })
+        };
+        Ok(match Container::of(path).unwrap_or(Container::Mcap) {
+            Container::Mcap => Self::Mcap(source()?),
+            #[cfg(feature = "ros1")]
+            Container::Ros1 => Self::Ros1(source()?),
+            #[cfg(feature = "sqlite")]
+            Container::Sqlite if is_packed(path) => {
+                Self::Sqlite(sqlite_file::Database::from_bytes(&unpacked_whole(source()?)?)?)
+            }
+            #[cfg(feature = "sqlite")]
+            Container::Sqlite => Self::Sqlite(sqlite_file::Database::open(path)?),
+            other => return Err(not_read(other)),
+        })
+    }
+}
+
+/// What `source` holds, packed by zstd.
+fn unpacked(source: impl Read) -> Result<impl Read, MapError> {
+    ruzstd::decoding::StreamingDecoder::new(source).map_err(|error| does_not_unpack(&error))
+}
+
+/// All that `source` gives, of at most [`MAX_UNPACKED_BYTES`].
+#[cfg(feature = "sqlite")]
+fn unpacked_whole(source: impl Read) -> Result<Vec<u8>, MapError> {
+    let mut bytes = Vec::new();
+    source.take(MAX_UNPACKED_BYTES + 1).read_to_end(&mut bytes).map_err(|error| does_not_unpack(&error))?;
+    if bytes.len() as u64 > MAX_UNPACKED_BYTES {
+        return Err(wrong("it is larger than 1 GiB, unpacked: unpack it first with `zstd -d`".to_owned()));
+    }
+    Ok(bytes)
+}
+
+/// Most bytes of a database that is packed as a whole.
+#[cfg(feature = "sqlite")]
+const MAX_UNPACKED_BYTES: u64 = 1 << 30;
+
+fn does_not_unpack(error: &dyn fmt::Display) -> MapError {
+    wrong(format!("what is compressed does not unpack: {error}"))
+}
+
 /// The error for a bag that this build does not read.
-#[cfg(not(all(feature = "sqlite", feature = "ros1")))]
 fn not_read(container: Container) -> MapError {
-    let (found, command) = if container == Container::Ros1 {
-        ("a bag of ROS 1 (.bag)", "mcap convert in.bag out.mcap")
-    } else {
-        ("a bag of SQLite (.db3)", "ros2 bag convert")
+    let (found, command) = match container {
+        Container::Ros1 => ("a bag of ROS 1 (.bag)", "mcap convert in.bag out.mcap"),
+        Container::Folder => ("a folder", "ros2 bag convert"),
+        Container::Mcap | Container::Sqlite => ("a bag of SQLite (.db3)", "ros2 bag convert"),
     };
     MapError::RecordingFormat { found, command }
 }
@@ -133,12 +201,34 @@ pub fn grids<E: From<MapError>>(
     options: &ReadOptions,
     each: &mut dyn FnMut(RecordedGrid) -> Result<(), E>,
 ) -> Result<BTreeSet<String>, E> {
-    match recording.0 {
-        Opened::Mcap(mut source) => mcap_file::grids(&mut source, options, each),
-        #[cfg(feature = "ros1")]
-        Opened::Ros1(mut source) => bag_file::grids(&mut source, options, each),
-        #[cfg(feature = "sqlite")]
-        Opened::Sqlite(database) => database.grids(options, each),
+    let mut topics = BTreeSet::new();
+    for (file, opened) in recording.parts {
+        let each = &mut |grid| each(grid).map_err(Stopped::ByCaller);
+        let found = match opened {
+            Opened::Mcap(mut source) => mcap_file::grids(&mut source, options, each),
+            #[cfg(feature = "ros1")]
+            Opened::Ros1(mut source) => bag_file::grids(&mut source, options, each),
+            #[cfg(feature = "sqlite")]
+            Opened::Sqlite(database) => database.grids(options, each),
+        };
+        topics.extend(found.map_err(|stopped| match (stopped, &file) {
+            (Stopped::ByCaller(error), _) => error,
+            (Stopped::ByRecording(error), Some(file)) => error.in_file(file).into(),
+            (Stopped::ByRecording(error), None) => error.into(),
+        })?);
+    }
+    Ok(topics)
+}
+
+/// Why a recording was not read to its end.
+enum Stopped<E> {
+    ByCaller(E),
+    ByRecording(MapError),
+}
+
+impl<E> From<MapError> for Stopped<E> {
+    fn from(error: MapError) -> Self {
+        Self::ByRecording(error)
     }
 }
 

@@ -1,7 +1,6 @@
 //! Bags of ROS 2 before Iron: a database of SQLite with the tables `topics` and `messages`. Messages may be compressed one by one by zstd.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 use std::io::Read;
 use std::path::Path;
 
@@ -10,7 +9,10 @@ use rusqlite::limits::Limit;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, Error, ErrorCode, OpenFlags};
 
-use super::{GRID_TYPES, MapError, ReadOptions, RecordedGrid, is_wanted, max_bytes, open_stream, wrong};
+use super::{
+    GRID_TYPES, MapError, ReadOptions, RecordedGrid, does_not_unpack, is_wanted, max_bytes, open_stream,
+    unpacked, wrong,
+};
 
 /// An open bag, which is not written to.
 pub(super) struct Database(Connection);
@@ -110,12 +112,11 @@ fn damaged(error: Error) -> MapError {
 
 /// What is compressed by zstd in `data`, of at most `max_bytes` bytes.
 fn unpack_zstd(data: &[u8], max_bytes: u64) -> Result<Vec<u8>, MapError> {
-    let does_not = |error: &dyn fmt::Display| wrong(format!("what is compressed does not unpack: {error}"));
-    let decoder = ruzstd::decoding::StreamingDecoder::new(data).map_err(|error| does_not(&error))?;
-    let mut unpacked = Vec::new();
-    decoder.take(max_bytes.saturating_add(1)).read_to_end(&mut unpacked).map_err(|error| does_not(&error))?;
-    if unpacked.len() as u64 > max_bytes {
+    let mut bytes = Vec::new();
+    let most = max_bytes.saturating_add(1);
+    unpacked(data)?.take(most).read_to_end(&mut bytes).map_err(|error| does_not_unpack(&error))?;
+    if bytes.len() as u64 > max_bytes {
         return Err(MapError::FileTooLarge { max_bytes });
     }
-    Ok(unpacked)
+    Ok(bytes)
 }
