@@ -46,13 +46,13 @@ const MAX_WIDE_FREE_IF_INVERTED: f64 = 1.0 / 3.0;
 /// No building is smaller in both directions.
 const MIN_EXTENT_M: f64 = 2.0;
 /// No building is larger in one.
-const MAX_EXTENT_M: f64 = 2000.0;
+pub(super) const MAX_EXTENT_M: f64 = 2000.0;
 /// In a passage 0.6 m wide, half of the cells are farther than this from its walls.
 const MIN_MEDIAN_CLEARANCE_M: f64 = 0.1;
 /// In a square room of 20 m by 20 m, half of the cells are farther than this from its walls.
-const MAX_MEDIAN_CLEARANCE_M: f64 = 3.0;
+pub(super) const MAX_MEDIAN_CLEARANCE_M: f64 = 3.0;
 /// The middle of a hall 50 m wide.
-const MAX_CLEARANCE_M: f64 = 25.0;
+pub(super) const MAX_CLEARANCE_M: f64 = 25.0;
 /// Less than a small room that is not seen is furniture.
 const MIN_UNEXPLORED_M2: f64 = 4.0;
 /// A core of a building has walls around. Around what is out of a lidar's reach 0.96 to 1 of the sides are open, around a yard that

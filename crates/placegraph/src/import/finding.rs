@@ -5,7 +5,7 @@ use std::fmt;
 use serde::Serialize;
 
 use super::ReplacedImage;
-use super::check::ISLAND_M2;
+use super::check::{ISLAND_M2, MAX_CLEARANCE_M, MAX_EXTENT_M, MAX_MEDIAN_CLEARANCE_M};
 
 /// The severity of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -66,7 +66,7 @@ pub enum Finding {
         /// How many.
         n_cells: u64,
     },
-    /// A building of this size is hardly one: the resolution is wrong.
+    /// A building of this size is hardly one, unless it is one large hall: the resolution is wrong.
     Resolution {
         /// Meters per cell.
         resolution_m: f64,
@@ -177,11 +177,19 @@ impl fmt::Display for Finding {
                 median_clearance_m,
                 largest_clearance_m,
             } => {
+                let may_be_hall = median_clearance_m > MAX_MEDIAN_CLEARANCE_M
+                    && largest_clearance_m <= MAX_CLEARANCE_M
+                    && width.max(height) <= MAX_EXTENT_M;
+                let what = if may_be_hall {
+                    "one large hall, or a building with a wrong resolution: check the resolution"
+                } else {
+                    "hardly a building: correct the resolution"
+                };
                 write!(
                     f,
                     "with {resolution_m} m per cell the largest free area spans {width:.1} m x {height:.1} m, half of \
                      it is within {median_clearance_m:.2} m of a wall and the widest spot {largest_clearance_m:.1} \
-                     m from one, which is hardly a building: correct the resolution"
+                     m from one, which is {what}"
                 )
             }
             Self::NoOccupiedCell => write!(

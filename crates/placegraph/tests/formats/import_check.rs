@@ -80,6 +80,14 @@ fn a_room_is_fine_and_its_negative_is_not() {
 fn a_wrong_resolution_is_found_both_ways() {
     assert_eq!(names(&room(60, 40, 0.0005)), ["resolution"]);
     assert_eq!(names(&room(60, 40, 5.0)), ["resolution"]);
+    // 40 m x 15 m may be a hall, 300 m x 200 m without a pillar may not.
+    for (map, told) in [
+        (room(400, 150, 0.1), "one large hall, or a building with a wrong resolution: check the resolution"),
+        (room(60, 40, 5.0), "hardly a building: correct the resolution"),
+    ] {
+        let texts: Vec<String> = check(&map).findings.iter().map(ToString::to_string).collect();
+        assert!(texts[0].ends_with(told), "{texts:?}");
+    }
 }
 
 #[test]
