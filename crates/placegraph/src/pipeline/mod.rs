@@ -270,7 +270,7 @@ pub(crate) fn recognize_classified(
     let mut islands = Vec::new();
     if config.correction {
         progress.begin(Stage::Correct); // the two heuristics by size: Sect. 4.7
-        (regions, islands) = correct_regions(&space, regions, model);
+        (regions, islands) = correct_regions(&space, regions, model, config.spaces.as_ref());
     }
     Recognized { space, classified: by_scan, smoothed, regions, islands }
 }
@@ -348,11 +348,21 @@ fn label_spaces(
     }
 }
 
-/// `found` without regions that are too small for their class, and its islands, which take the label of what is around them.
-fn correct_regions(space: &FreeSpace, found: RegionMap, model: &Model) -> (RegionMap, Vec<RegionId>) {
-    let thresholds = &model.thresholds;
-    let corrected = correct(space, &found, &model.label_set, thresholds).regions;
+/// `found` without regions that are too small for their class and, with `spaces`, without alcoves; and its islands, which take the
+/// label of what is around them.
+fn correct_regions(
+    space: &FreeSpace,
+    found: RegionMap,
+    model: &Model,
+    spaces: Option<&SpaceConfig>,
+) -> (RegionMap, Vec<RegionId>) {
+    let (label_set, thresholds) = (&model.label_set, &model.thresholds);
+    let mut corrected = correct(space, &found, label_set, thresholds).regions;
     drop(found);
+    let joined = spaces.and_then(|config| spaces::join_alcoves(space, &corrected, label_set, config));
+    if let Some(joined) = joined {
+        corrected = correct(space, &joined, label_set, thresholds).regions;
+    }
     let islands = islands(space, &corrected, thresholds.min_island_m2);
     (label_islands(&space.graph, corrected, &islands), islands)
 }

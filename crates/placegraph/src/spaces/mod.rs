@@ -17,11 +17,13 @@
 //! The field should be one that has not heard the neighbors yet: the relaxation makes every cell as sure as its
 //! surroundings, a doubtful patch no less than a clear one.
 //!
-//! Then pieces between doorways and openings are labeled as wholes ([`passages`], [`label_whole`]).
+//! Then pieces between doorways and openings are labeled as wholes ([`passages`], [`label_whole`]), and alcoves join the place that
+//! they open to ([`join_alcoves`]).
 //!
 //! **Deviation.** The chapter has no such stage; it can be left out. It is the chapter's associative network
 //! (Sect. 4.6) with one weight, on the field of either method.
 
+mod alcoves;
 mod evidence;
 mod figures;
 mod model;
@@ -37,6 +39,7 @@ use crate::labels::{Held, Label, LabelField, LabelSet, Labeling, Role};
 use evidence::Evidence;
 use piece::{Piece, Rectangle};
 
+pub use alcoves::join_alcoves;
 pub use model::SpaceModel;
 pub use passages::{Measurements, figure_table, passages};
 pub use pieces::Pieces;
@@ -58,6 +61,12 @@ pub struct SpaceConfig {
     /// Least probability by `model` that a piece is a passage, for all of it to become one. Default 0.6 (`docs/default-model.md` has the
     /// curve). Above 1, none does, nor where cells are labeled by another model than the built-in one, whose evidence `model` knows.
     pub min_passage: f64,
+    /// Most doors of an alcove, a passage that is a part of the place that it opens to ([`join_alcoves`]). Default 2: what has three is a
+    /// corridor (`docs/default-model.md`).
+    pub max_alcove_doors: usize,
+    /// Least share of an alcove's length over which it opens to its place. Default 1/3: the middle of where it makes no difference (the
+    /// same page). Infinite, there are no alcoves.
+    pub min_alcove_mouth: f64,
     /// The odds of a label that a cell had in an earlier result which is held on to are multiplied by this. Default 2.
     pub held_odds: f64,
     /// Obstacles that stand free and are at most this long and wide are furniture: no walls of a corridor. Default 2.5: a bed, a
@@ -78,6 +87,8 @@ impl Default for SpaceConfig {
             min_agreement: 0.75,
             model: SpaceModel::builtin(),
             min_passage: 0.6,
+            max_alcove_doors: 2,
+            min_alcove_mouth: 1.0 / 3.0,
             held_odds: 2.0,
             max_furniture_m: 2.5,
             max_cut: 1 << 20,
