@@ -60,6 +60,15 @@ fn open_halls_hold_no_patches_of_corridor() {
 }
 
 #[test]
+fn lanes_between_furniture_are_no_corridors() {
+    // Five and nine before; a tongue between two parts of a ward is left.
+    let Some([n_corridors, ..]) = counts("05-corridor-among-furniture/hospital.yaml") else { return };
+    assert!(n_corridors <= 2, "{n_corridors} corridors");
+    let [n_corridors, ..] = counts("05-corridor-among-furniture/nus_com1.yaml").unwrap();
+    assert!(n_corridors <= 5, "{n_corridors} corridors");
+}
+
+#[test]
 fn objects_drawn_as_outlines_are_no_places() {
     // Four rooms and a corridor; 31 places before.
     let Some([n_corridors, n_rooms, _]) = counts("06-hollow-objects/inside.yaml") else { return };
