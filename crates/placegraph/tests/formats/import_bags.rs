@@ -140,12 +140,14 @@ mod read {
     /// A folder as a recorder makes it, of copies of files.
     fn folder_of(parts: &[PathBuf]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
-        let mut metadata = "rosbag2_bagfile_information:\n  version: 9\n  relative_file_paths:\n".to_owned();
-        for (n, part) in parts.iter().enumerate() {
+        let copy = |(n, part): (usize, &PathBuf)| {
             let name = format!("{n}_{}", part.file_name().unwrap().to_string_lossy());
             fs::copy(part, folder.path().join(&name)).unwrap();
-            metadata += &format!("    - {name}\n");
-        }
+            name
+        };
+        let names: Vec<String> = parts.iter().enumerate().map(copy).collect();
+        let metadata =
+            format!("rosbag2_bagfile_information: {{relative_file_paths: [{}]}}\n", names.join(", "));
         fs::write(folder.path().join("metadata.yaml"), metadata).unwrap();
         folder
     }
