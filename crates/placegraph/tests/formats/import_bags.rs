@@ -116,6 +116,19 @@ mod read {
     }
 
     #[test]
+    fn a_chunk_has_as_many_bytes_as_its_header_says() {
+        for (name, change) in ["plain", "bz2", "lz4"].into_iter().flat_map(|name| [(name, -1), (name, 1)]) {
+            let mut bytes = fs::read(path(&format!("bag/{name}.bag"))).unwrap();
+            let at = bytes.windows(5).position(|five| five == b"size=").unwrap() + 5;
+            let size = u32::from_le_bytes(*bytes[at..].first_chunk().unwrap()).wrapping_add_signed(change);
+            bytes[at..at + 4].copy_from_slice(&size.to_le_bytes());
+            let read = Recording::from_bytes(Container::Ros1, &bytes);
+            let error = read.and_then(|recording| last_grid(recording, &ReadOptions::default())).unwrap_err();
+            assert!(error.to_string().contains(&format!("a chunk of {size} bytes has")), "{name}: {error}");
+        }
+    }
+
+    #[test]
     fn messages_larger_than_a_map_may_be_are_refused() {
         let few = ReadOptions { max_cells: 3, ..ReadOptions::default() };
         for name in ["bag/plain.bag", "database/plain.db3"] {
