@@ -106,6 +106,9 @@ fn saved_with_free_thresh_25_unknown_stays_unknown_unless_asked() {
     // A picture with all shades of gray is no saved map: the file's word counts.
     let shades = b"P2 6 1 255 0 205 204 203 202 254";
     assert_eq!(load_yaml(&yaml, shades).unwrap().grid.count(Occupancy::Free), 5);
+    // One shade more is one too many; what is as bright as 250 is white and no shade.
+    let free = |image: &[u8]| load_yaml(&yaml, image).unwrap().grid.count(Occupancy::Free);
+    assert_eq!([free(b"P2 4 1 255 0 205 204 254"), free(b"P2 4 1 255 0 205 250 254")], [3, 2]);
 }
 
 #[test]
