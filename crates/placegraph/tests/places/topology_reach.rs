@@ -109,6 +109,9 @@ fn a_door_that_is_too_narrow_is_no_way() {
         told.contains("too narrow for a robot of 0.20 m radius") && told.contains("0.25 m wide"),
         "{told}"
     );
+    assert!(told.contains("are doors shut, or too narrow for the robot?"), "{told}");
+    let reached = map.reached();
+    assert!(reached.connections.iter().all(|c| [c.a, c.b].iter().all(|&end| reached.place(end).is_some())));
     let check = GraphCheck::of(&map, 0.2);
     assert_eq!(check.n_blocked, 2);
     let text = check.to_string();
