@@ -360,9 +360,13 @@ mod tests {
             fs::create_dir(folder.path().join(name)).unwrap();
             fs::write(folder.path().join(name).join("m.json"), "precious").unwrap();
         }
+        // What may be the begin of a mark is no mark where something else lies beside it.
+        let begun = folder.path().join(kept[2]).join(MARK.0);
+        fs::write(&begun, &MARK.1[..5]).unwrap();
         fs::create_dir(folder.path().join(".placegraph-unfinished-empty1")).unwrap();
         replace(folder.path(), &[("a".to_owned(), b"1".to_vec())], &[]).unwrap();
         drop(lock_and_recover(folder.path()).unwrap());
         assert_eq!(names(folder.path()), [kept[1], kept[0], kept[2], "a"]);
+        assert!(begun.exists());
     }
 }
