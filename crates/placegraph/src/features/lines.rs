@@ -334,6 +334,12 @@ mod tests {
     }
 
     #[test]
+    fn of_equal_points_the_first_is_found() {
+        let ones = [1.0; 40];
+        assert_eq!(position(&ones, &ones, |x, _| x >= 1.0), 0);
+    }
+
+    #[test]
     fn scattered_points_are_no_line() {
         assert_eq!(count((0..20).map(|i| (i as f64, 0.0))), 0);
         assert_eq!(count(std::iter::empty()), 0);
