@@ -330,6 +330,23 @@ mod tests {
         assert_eq!(brightness_of(Rules::Ros1), (255, 3));
     }
 
+    /// Worked by hand from the loader of ROS 1, which turns the gray over before it looks at the mode.
+    #[test]
+    fn ros_1_grades_and_inverts() {
+        let values = |mode, negate| {
+            let how = Interpretation { mode, negate, rules: Rules::Ros1, ..Default::default() };
+            [0.0, 60.0, 155.0, 255.0].map(|gray| cell_value(gray, 255, &how))
+        };
+        assert_eq!(values(Mode::Raw, false), [0, 60, -1, -1]);
+        assert_eq!(values(Mode::Raw, true), [-1, -1, 100, 0]);
+        // p is 1, 0.765, 0.392 and 0.
+        assert_eq!(values(Mode::Trinary, false), [100, 100, -1, 0]);
+        // 1 + 98 (0.392 - 0.196) / 0.454 = 43.3.
+        assert_eq!(values(Mode::Scale, false), [100, 100, 43, 0]);
+        // p is 0, 0.235, 0.608 and 1: 1 + 98 · 0.0866 = 9.5, 1 + 98 · 0.907 = 89.9.
+        assert_eq!(values(Mode::Scale, true), [0, 9, 89, 100]);
+    }
+
     #[test]
     fn raw_values_are_per_cent() {
         use Occupancy::{Free, Occupied, Unknown};
