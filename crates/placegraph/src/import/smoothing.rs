@@ -80,6 +80,12 @@ mod tests {
     }
 
     #[test]
+    fn soft_edges_of_few_grays_were_drawn() {
+        // 0, 32 ... 224.
+        assert_eq!(found(|x, y| 32.0 * (turned_rooms(x, y, 2.0) / 32.0).floor()), 0);
+    }
+
+    #[test]
     fn grays_of_a_sensor_are_no_soft_edges() {
         // Every free cell has been seen another number of times.
         assert_eq!(found(|x, y| f64::from(150 + (x * 7919 + y * 104_729) % 97)), 0);
