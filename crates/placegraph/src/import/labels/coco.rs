@@ -197,6 +197,8 @@ mod tests {
         assert_eq!(unpacked(b"61X13").unwrap(), [6, 1, 40, 4]);
         // From the fourth run on, a difference: 2, 3, 4, then 1 - 3 = -2, which is 11110 in five bits.
         assert_eq!(unpacked(b"234N").unwrap(), [2, 3, 4, 1]);
+        // Then 5 - 4 and 7 - 1.
+        assert_eq!(unpacked(b"234N16").unwrap(), [2, 3, 4, 1, 5, 7]);
         for bad in ["\u{7f}", "X", "200N", "oooooooooooooooooooo0"] {
             assert!(unpacked(bad.as_bytes()).is_err(), "{bad}");
         }
