@@ -322,5 +322,8 @@ mod tests {
         assert!(matches!(parse(&nan, 6), Err(MapError::CarmenValue { x: 0, y: 0, .. })));
         assert!(matches!(parse(b"# only a comment\nand text after it", 6), Err(MapError::CarmenTag { .. })));
         assert!(matches!(parse(b"CARMENMAPFILEv020", 6), Err(MapError::CarmenNoGrid { n_chunks: 0 })));
+        // Cut off within the chunk before the grid, of which 4 of 7 bytes are there.
+        let cut = b"CARMENMAPFILEv020\x20\x11\0\0\0TENLETTERScrea";
+        assert!(matches!(parse(cut, 6), Err(MapError::CarmenRead { part: "chunks", .. })));
     }
 }
