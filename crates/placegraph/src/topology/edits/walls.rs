@@ -161,6 +161,27 @@ mod tests {
     }
 
     #[test]
+    fn an_opening_is_as_wide_as_it_should_be() {
+        let map = rooms();
+        let open = Edit::Open { line: [at(7.4, 4.5), at(10.6, 4.5)], width_m: 0.3 };
+        let done = apply_to_map(&map, &[open]).unwrap();
+        // Three rows of four cells.
+        assert_eq!(n_free(&done.map), n_free(&map) + 12);
+        assert!((3..=5).all(|y| (7..=10).all(|x| done.map.is_free(Cell::new(x, y)))));
+    }
+
+    #[test]
+    fn an_end_in_a_wall_moves_on_by_half_a_meter() {
+        // From the middle of the last cell but four, and but five, of a wall of nine.
+        let map = OccupancyGrid::from_ascii(0.1, "...#########...");
+        let opens = |x| {
+            let open = Edit::Open { line: [at(1.5, 0.5), at(x, 0.5)], width_m: 0.1 };
+            apply_to_map(&map, &[open]).unwrap().outcomes[0].1.is_ok()
+        };
+        assert_eq!([opens(7.5), opens(6.5)], [true, false]);
+    }
+
+    #[test]
     fn what_closes_or_opens_nothing_changes_nothing() {
         let map = rooms();
         let edits = [
