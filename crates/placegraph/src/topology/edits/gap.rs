@@ -126,6 +126,7 @@ mod tests {
         for (a, b) in [
             ((4.0, 3.5), (7.0, 3.5)), // exact
             ((4.0, 2.4), (7.0, 2.6)), // a cell below
+            ((4.0, 4.6), (7.0, 4.4)), // a cell above
             ((4.6, 3.5), (6.4, 3.5)), // too short
             ((2.6, 4.5), (7.2, 3.2)), // partly along the wall
             ((7.0, 4.0), (4.0, 3.0)), // from right to left
