@@ -256,6 +256,17 @@ mod tests {
             .collect()
     }
 
+    #[test]
+    fn a_single_file_is_replaced_and_several_are_moved_away_first() {
+        for (n, moved_away) in [(1, vec![]), (3, vec!["a", "b", "last"])] {
+            let (folder, staging) = staged();
+            let all = ["a", "b", "last"];
+            move_all(folder.path(), &staging, &all[3 - n..], &[]).unwrap();
+            assert_eq!(names(&staging.join("old")), moved_away);
+            assert_eq!(fs::read(folder.path().join("last")).unwrap(), b"new");
+        }
+    }
+
     /// All moves of `move_all` in their order, so that a test can be killed between any two.
     fn moves(folder: &Path, staging: &Path) -> Vec<(PathBuf, PathBuf)> {
         let (new, old) = (staging.join("new"), staging.join("old"));

@@ -140,6 +140,15 @@ mod tests {
     }
 
     #[test]
+    fn the_blocks_of_many_examples_end_between_two_of_them() {
+        let list = list(&[0, 1, 2], 1.0);
+        let n = 2 * BLOCK + 5;
+        let field = list.classify(&Scores::from_rows(3, SCORES.repeat(n)));
+        let one = list.classify(&Scores::from_rows(3, SCORES.to_vec()));
+        assert!((0..n).all(|node| field.row(node) == one.row(0)));
+    }
+
+    #[test]
     fn a_temperature_divides_the_scores() {
         let halved = SCORES.map(|score| score / 2.0);
         let expected = list(&[0, 1, 2], 1.0).probabilities(&halved);

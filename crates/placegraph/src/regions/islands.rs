@@ -224,6 +224,28 @@ mod tests {
         let of = |x, y| regions.region_of[space.graph.node_at(Cell::new(x, y)).unwrap()];
         assert_eq!(islands(&space, &regions, 0.01), [of(6, 4), of(13, 4)]);
         assert_eq!(islands(&space, &regions, 0.0), []);
+        // Half of a robot's width is 5 cells of 3 cm: eight in a row are too narrow. It is round and needs no corners.
+        let strip = "..........#........\n".repeat(14);
+        let round = "
+            ..........###########
+            ..........##.......##
+            ..........#.........#
+            ..........#.........#
+            ..........#.........#
+            ..........#.........#
+            ..........#.........#
+            ..........#.........#
+            ..........#.........#
+            ..........##.......##
+            ..........###########
+        ";
+        for (map, is_island) in [(strip.as_str(), true), (round, false)] {
+            let space = FreeSpace::of(&OccupancyGrid::from_ascii(0.03, map));
+            let labels = vec![Label(0); space.graph.n_nodes()];
+            let parts = connected(&space.graph, &labels, DiagonalSteps::default());
+            assert_eq!(parts.regions.len(), 2);
+            assert_eq!(!islands(&space, &parts, 0.001).is_empty(), is_island, "{map}");
+        }
         // 0.3 m wide, a robot fits in.
         let wider = FreeSpace::of(&OccupancyGrid::from_ascii(0.15, map));
         assert_eq!(islands(&wider, &regions, 0.01), []);

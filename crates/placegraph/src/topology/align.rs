@@ -397,3 +397,22 @@ fn are_apart(a: Pose2, b: Pose2, center: Point2) -> bool {
     let turn = (a.yaw_rad - b.yaw_rad).rem_euclid(std::f64::consts::TAU);
     turn.min(std::f64::consts::TAU - turn) > APART_RAD || a.apply(center).distance(b.apply(center)) > APART_M
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Three columns of points, of 2, 1 and 3, from `first` on.
+    fn columns(first: f64) -> Projection {
+        let points = [0.0, 0.0, 1.0, 2.0, 2.0, 2.0].map(|x| Point2::new(first + x + 0.5, 0.0));
+        Projection::of(&points, 1.0, 1.0, |point| point.x)
+    }
+
+    #[test]
+    fn the_best_shift_lays_equal_projections_on_one_another() {
+        // Common points of shifts of -2 to 2 bins: min(2, 3) = 2, 1 + 1 = 2, all 6, 1 + 1 = 2, 2.
+        for (old, new) in [(0.0, 0.0), (10.0, 3.0), (-4.0, 5.0)] {
+            assert_eq!(columns(old).best_shifts(&columns(new))[0].to_bits(), f64::to_bits(old - new));
+        }
+    }
+}

@@ -105,6 +105,7 @@ fn the_border_counts_cells() {
     assert_eq!(found.findings, [Finding::OpenToBorder { n_cells: 4 }]);
     assert_eq!(found.findings[0].severity(), Severity::Warning);
     assert!((found.shares.free - 0.5).abs() < 1e-12);
+    assert_eq!(found.shares.to_string(), "free 50.0 %, occupied 45.8 %, unknown 4.2 %");
 }
 
 #[test]

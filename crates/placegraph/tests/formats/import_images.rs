@@ -107,6 +107,20 @@ fn bad_images_are_one_clear_error_each() {
 }
 
 #[test]
+fn images_of_other_kinds_are_named_and_what_to_do_is_told() {
+    for (begin, told) in [
+        (&b"\xff\xd8\xff\xe0"[..], "JPEG, which blurs gray values: save the original as PNG"),
+        (b"GIF89a", "GIF: convert it to PNG"),
+        (b"II*\0", "TIFF: convert it to PNG"),
+        (b"RIFF\x10\0\0\0WEBPVP8 ", "WebP: convert it to PNG"),
+        (b"\0\0\x01\0", "another image format: convert it to PNG"),
+    ] {
+        let error = placegraph::import::image::decode(begin, 100).unwrap_err().to_string();
+        assert!(error.contains(told), "{error}");
+    }
+}
+
+#[test]
 fn a_bmp_is_read_like_the_png_of_its_pixels() {
     let gray = [[0u8, 205, 254], [254, 254, 0]];
     let expected = [

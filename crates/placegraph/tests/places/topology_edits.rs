@@ -2,6 +2,7 @@
 
 use crate::building::{self, Building};
 use placegraph::geom::Pose2;
+use placegraph::grid::{Cell, Grid};
 use placegraph::labels::LabelSet;
 use placegraph::topology::PlaceId;
 use placegraph::topology::edits::{Edit, EditFile, Edited, NotApplied, Numbering, apply};
@@ -309,6 +310,15 @@ fn a_merge_takes_the_doorway_between_along() {
     // The doorway to the corridor stays.
     assert_eq!(class_sizes(&result).iter().filter(|(class, _)| *class == 2).count(), 2);
 
+    // The name of the first of them stays, and those of other places.
+    let rename = |x, y, name| edit("rename", &format!("at = {}\nname = \"{name}\"", at(&building, x, y)));
+    let renamed = rename(40, 15, "den") + &rename(20, 16, "kitchen") + &rename(6, 7, "entrance");
+    let result = edited(&building, &(renamed + &merge));
+    assert!(all_applied(&result), "{:?}", result.outcomes);
+    let names: Vec<&String> = result.names.values().collect();
+    assert_eq!(names.len(), 2, "{names:?}");
+    assert!(names.iter().all(|name| ["den", "entrance"].contains(&name.as_str())), "{names:?}");
+
     let alone = edited(&building, &edit("merge", "at = [1, 1]"));
     assert!(matches!(alone.outcomes[0], Err(NotApplied::OnePlace { .. })), "{:?}", alone.outcomes);
 }
@@ -373,4 +383,36 @@ fn a_doorway_parts_its_sides_though_there_is_another_way_around() {
     let both = edited(&building, &[line(9, 11), line(4, 6)].concat());
     assert!(all_applied(&both), "{:?}", both.outcomes);
     assert_eq!(class_sizes(&both).iter().filter(|size| size.0 == 1).count(), 2, "two rooms");
+}
+
+/// A wall from corner to corner with a gap, 0.7 m wide.
+#[test]
+fn a_slanted_doorway_is_as_deep_as_a_straight_one() {
+    let size = 60;
+    let letters = Grid::filled(size, size, ()).cells().map(|Cell { x, y }| {
+        let on_wall = x == y || x == y + 1;
+        let in_gap = (25..35).contains(&x);
+        if x == 0 || y == 0 || x == size - 1 || y == size - 1 || (on_wall && !in_gap) { b'#' } else { b'r' }
+    });
+    let building = building::from_letters(&Grid::from_rows(size, size, letters.collect()), Pose2::default());
+    let line = "line = [[1.225, 1.225], [1.775, 1.775]]";
+    let result = edited(&building, &edit("add_doorway", line));
+    assert!(all_applied(&result), "{:?}", result.outcomes);
+    let [a, b] = result.outcomes[0].as_ref().unwrap().line.unwrap();
+    let [along_x, along_y] = [b[0] - a[0], b[1] - a[1]];
+    let width_m = along_x.hypot(along_y);
+    assert!((0.6..0.8).contains(&width_m), "{a:?} {b:?}");
+    let doorway = result.regions.regions.iter().position(|region| region.label.0 == 2).unwrap();
+    for (&cell, region) in building.space.graph.cells().iter().zip(&result.regions.region_of) {
+        let center = building.grid.frame.map_from_cells(cell.center());
+        let (x, y) = (center.x - a[0], center.y - a[1]);
+        let beside_m = (x * along_y - y * along_x).abs() / width_m;
+        let share = (x * along_x + y * along_y) / (width_m * width_m);
+        // What is within 0.1 m of the line, and cells that it touches.
+        if region.index() == doorway {
+            assert!(beside_m <= 0.1 + 1e-9, "{cell:?}: {beside_m} m");
+        } else if (0.1..0.9).contains(&share) {
+            assert!(beside_m > 0.1 - 1e-9, "{cell:?}: {beside_m} m");
+        }
+    }
 }
