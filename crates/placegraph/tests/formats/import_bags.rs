@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use placegraph::import::{MapError, ReadOptions, load_map};
+use placegraph::import::{ReadOptions, load_map};
 
 fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/corpus").join(name)
@@ -30,7 +30,7 @@ mod read {
     use placegraph::geom::Pose2;
     use placegraph::grid::{Cell, MapFrame, Occupancy};
     use placegraph::import::recording::{Container, Recording, grids, last_grid};
-    use placegraph::import::{Format, load_map_from};
+    use placegraph::import::{Format, MapError, load_map_from};
     use rusqlite::Connection;
 
     use super::*;

@@ -96,6 +96,41 @@ fn what_has_no_map_says_so() {
     assert!(matches!(error.cause(), MapError::Io { .. }), "{error}");
 }
 
+/// A chunk of MCAP that is not packed, around `records`.
+fn chunk(records: &[u8]) -> Vec<u8> {
+    let size = (records.len() as u64).to_le_bytes();
+    let mut content = vec![0; 16];
+    content.extend_from_slice(&size);
+    // No checksum, no name of a compression.
+    content.extend_from_slice(&[0; 8]);
+    content.extend_from_slice(&size);
+    content.extend_from_slice(records);
+    [&[6][..], &(content.len() as u64).to_le_bytes(), &content].concat()
+}
+
+#[test]
+fn a_chunk_holds_records_that_end_in_it_and_no_chunk() {
+    let error = |records: &[u8]| {
+        let bytes = [&b"\x89MCAP0\r\n"[..], &chunk(records)].concat();
+        last_grid(mcap(&bytes), &ReadOptions::default()).unwrap_err().to_string()
+    };
+    assert!(error(&chunk(&[])).contains("a chunk is in a chunk"), "{}", error(&chunk(&[])));
+    // A message of 100 bytes in a chunk of 9.
+    let cut_off = [&[5][..], &100_u64.to_le_bytes()].concat();
+    assert!(error(&cut_off).contains("it is cut off"), "{}", error(&cut_off));
+    assert!(load("chunk_in_chunk.mcap").is_err());
+}
+
+#[test]
+fn what_is_no_grid_is_not_looked_into() {
+    // An attachment without room for its checksum.
+    let attachment = [&[9][..], &34_u64.to_le_bytes(), &[0; 34]].concat();
+    let plain = fs::read(path("plain.mcap")).unwrap();
+    let with = [&plain[..8], &attachment, &plain[8..]].concat();
+    let grid = last_grid(mcap(&with), &ReadOptions::default()).unwrap();
+    assert_eq!(grid.cdr, last_grid(mcap(&plain), &ReadOptions::default()).unwrap().cdr);
+}
+
 #[test]
 fn a_recording_that_is_cut_off_or_damaged_says_so() {
     let error = |bytes: &[u8]| last_grid(mcap(bytes), &ReadOptions::default()).unwrap_err().to_string();

@@ -4,11 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::{self, Read};
 
 use mcap::McapError;
-use mcap::read::LinearReader as Records;
-use mcap::records::{ChunkHeader, Record};
+use mcap::records::{ChunkHeader, Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::{GRID_TYPES, MapError, ReadOptions, RecordedGrid, is_wanted, max_bytes, wrong};
+
+/// The records that lead to grids. Others, such as attachments, are not looked into.
+const TAKEN: [u8; 4] = [op::SCHEMA, op::CHANNEL, op::MESSAGE, op::CHUNK];
 
 /// Most bytes that are asked of the file at once.
 const READ_BYTES: usize = 1 << 20;
@@ -19,35 +21,8 @@ pub(super) fn grids<E: From<MapError>>(
     options: &ReadOptions,
     each: &mut dyn FnMut(RecordedGrid) -> Result<(), E>,
 ) -> Result<BTreeSet<String>, E> {
-    let max_bytes = max_bytes(options.max_cells);
-    let limit = usize::try_from(max_bytes).unwrap_or(usize::MAX);
-    let reader_options =
-        LinearReaderOptions::default().with_emit_chunks(true).with_record_length_limit(limit);
-    let mut reader = LinearReader::new_with_options(reader_options);
     let mut state = Scan { options, schemas: BTreeSet::new(), topics: BTreeMap::new(), each };
-    while let Some(event) = reader.next_event() {
-        match event.map_err(damaged)? {
-            LinearReadEvent::ReadRequest(needed) => {
-                if needed > limit {
-                    return Err(MapError::FileTooLarge { max_bytes }.into());
-                }
-                let buffer = reader.insert(needed.min(READ_BYTES));
-                let n_read = read_some(source, buffer).map_err(|error| MapError::Io { error })?;
-                reader.notify_read(n_read);
-            }
-            LinearReadEvent::Record { opcode, data } => {
-                match mcap::parse_record(opcode, data).map_err(damaged)? {
-                    Record::Chunk { header, data } => {
-                        let unpacked = unpack(&header, &data, max_bytes)?;
-                        for record in Records::sans_magic(&unpacked) {
-                            state.take(record.map_err(damaged)?)?;
-                        }
-                    }
-                    record => state.take(record)?,
-                }
-            }
-        }
-    }
+    state.records(source, LinearReaderOptions::default())?;
     Ok(state.topics.into_values().collect())
 }
 
@@ -61,7 +36,45 @@ struct Scan<'a, E> {
     each: &'a mut dyn FnMut(RecordedGrid) -> Result<(), E>,
 }
 
-impl<E> Scan<'_, E> {
+impl<E: From<MapError>> Scan<'_, E> {
+    /// Takes all records of `source`, those in chunks too.
+    fn records(&mut self, source: &mut dyn Read, options: LinearReaderOptions) -> Result<(), E> {
+        let max_bytes = max_bytes(self.options.max_cells);
+        let limit = usize::try_from(max_bytes).unwrap_or(usize::MAX);
+        let is_chunk = options.skip_start_magic;
+        let mut reader =
+            LinearReader::new_with_options(options.with_emit_chunks(true).with_record_length_limit(limit));
+        while let Some(event) = reader.next_event() {
+            match event.map_err(damaged)? {
+                LinearReadEvent::ReadRequest(needed) => {
+                    if needed > limit {
+                        return Err(MapError::FileTooLarge { max_bytes }.into());
+                    }
+                    let buffer = reader.insert(needed.min(READ_BYTES));
+                    let n_read = read_some(source, buffer).map_err(|error| MapError::Io { error })?;
+                    reader.notify_read(n_read);
+                }
+                LinearReadEvent::Record { opcode, data } if TAKEN.contains(&opcode) => {
+                    match mcap::parse_record(opcode, data).map_err(damaged)? {
+                        Record::Chunk { .. } if is_chunk => {
+                            return Err(wrong("a chunk is in a chunk".to_owned()).into());
+                        }
+                        Record::Chunk { header, data } => {
+                            let unpacked = unpack(&header, &data, max_bytes)?;
+                            let inside = LinearReaderOptions::default()
+                                .with_skip_start_magic(true)
+                                .with_skip_end_magic(true);
+                            self.records(&mut &*unpacked, inside)?;
+                        }
+                        record => self.take(record)?,
+                    }
+                }
+                LinearReadEvent::Record { .. } => {}
+            }
+        }
+        Ok(())
+    }
+
     fn take(&mut self, record: Record<'_>) -> Result<(), E> {
         match record {
             Record::Schema { header, .. } if GRID_TYPES.contains(&header.name.as_str()) => {
