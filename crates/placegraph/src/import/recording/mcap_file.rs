@@ -22,7 +22,7 @@ pub(super) fn grids<E: From<MapError>>(
     each: &mut dyn FnMut(RecordedGrid) -> Result<(), E>,
 ) -> Result<BTreeSet<String>, E> {
     let mut state = Scan { options, schemas: BTreeSet::new(), topics: BTreeMap::new(), each };
-    state.records(source, LinearReaderOptions::default())?;
+    state.records(source, false)?;
     Ok(state.topics.into_values().collect())
 }
 
@@ -37,13 +37,16 @@ struct Scan<'a, E> {
 }
 
 impl<E: From<MapError>> Scan<'_, E> {
-    /// Takes all records of `source`, those in chunks too.
-    fn records(&mut self, source: &mut dyn Read, options: LinearReaderOptions) -> Result<(), E> {
+    /// Takes all records of a file or of a chunk, which begins and ends without the magic bytes, and has no chunks.
+    fn records(&mut self, source: &mut dyn Read, is_chunk: bool) -> Result<(), E> {
         let max_bytes = max_bytes(self.options.max_cells);
         let limit = usize::try_from(max_bytes).unwrap_or(usize::MAX);
-        let is_chunk = options.skip_start_magic;
-        let mut reader =
-            LinearReader::new_with_options(options.with_emit_chunks(true).with_record_length_limit(limit));
+        let reader_options = LinearReaderOptions::default()
+            .with_emit_chunks(true)
+            .with_record_length_limit(limit)
+            .with_skip_start_magic(is_chunk)
+            .with_skip_end_magic(is_chunk);
+        let mut reader = LinearReader::new_with_options(reader_options);
         while let Some(event) = reader.next_event() {
             match event.map_err(damaged)? {
                 LinearReadEvent::ReadRequest(needed) => {
@@ -61,10 +64,7 @@ impl<E: From<MapError>> Scan<'_, E> {
                         }
                         Record::Chunk { header, data } => {
                             let unpacked = unpack(&header, &data, max_bytes)?;
-                            let inside = LinearReaderOptions::default()
-                                .with_skip_start_magic(true)
-                                .with_skip_end_magic(true);
-                            self.records(&mut &*unpacked, inside)?;
+                            self.records(&mut &*unpacked, true)?;
                         }
                         record => self.take(record)?,
                     }
